@@ -18,7 +18,7 @@ use halfline::quote;
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Framing, Reach, Scene};
 use halfline::settings::Settings;
-use halfline_files::read::style::{Coloring, RangeEnd};
+use halfline_files::read::style::{Coloring, GatheredValues, RangeEnd, Scale};
 use halfline_files::read::{
     FixedCamera, FrameRange, Hold, Keep, ParticleOptions, ReadOptions, SceneFrame, Sequence, read_once,
 };
@@ -268,12 +268,12 @@ fn hold_all(args: &SceneArgs, options: &mut ReadOptions) -> Result<Option<(Camer
         let problem = format!("--hold all reads the file twice, and {once} can be read once");
         return Err(Error::settings(problem, format!("use --hold first, or a file instead of {once}")));
     }
-    if matches!(&options.style.coloring, Coloring::Column(scale) if scale.has_percentile()) {
-        let problem = "the percentiles of all frames need the values of all in memory";
-        return Err(Error::settings(problem, "use --hold first, or --range with numbers"));
+    if let Coloring::Column(scale) = &mut options.style.coloring {
+        scale.gathered = scale.has_percentile().then(GatheredValues::default);
     }
     let mut all = AllFrames::read(args, options, [0.0; 2])?;
     if let Coloring::Column(scale) = &mut options.style.coloring {
+        scale.settle_range();
         scale.range = scale.range.or(all.range.map(|ends| ends.map(RangeEnd::Value)));
         scale.names = std::mem::take(&mut all.names);
     }
@@ -321,6 +321,9 @@ impl AllFrames {
             };
             if frame.scene.spheres.is_empty() {
                 continue;
+            }
+            if let Coloring::Column(Scale { gathered: Some(gathered), .. }) = &options.style.coloring {
+                gathered.check()?;
             }
             size(args.size(), args, &mut frame);
             if let Some(legend) = &mut frame.legend {

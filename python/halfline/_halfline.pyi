@@ -48,6 +48,8 @@ class Scene:
         opacities: NDArray[np.float32] | None,
         background: Vector,
     ) -> Scene: ...
+    def with_columns(self, other: Scene) -> Scene: ...
+    def as_arrays(self, background: tuple[float, float, float]) -> Scene: ...
     def with_facts(
         self,
         warnings: list[str],
@@ -115,6 +117,7 @@ class Sequence:
     def __new__(
         cls,
         path: str | PathLike[str],
+        archive: bytes | None,
         options: dict[str, Any],
         keep: Any,
         colors: NDArray[np.uint8] | None,

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from . import _halfline
 from ._arrays import Color, shown
-from .scene import Scene
+from .scene import Scene, read
 
 
 def from_ase(
@@ -22,7 +22,8 @@ def from_ase(
     """The atoms of ``ase.Atoms`` as spheres, with the radii and colours of their elements.
 
     Atoms of the element ``X`` (number 0) are not drawn and are counted in ``scene.warnings``.
-    ``scene.cell`` is the cell of the atoms, if it has a volume.
+    ``scene.cell`` is the cell of the atoms, if it has a volume; ``scene.columns`` has the element,
+    and the arrays of the atoms with a number or a text for each.
 
     Args:
         atoms: An ``ase.Atoms``; its positions are angstrom.
@@ -49,6 +50,10 @@ def from_ase(
         radius_scale,
         background,
     )
+    arrays = getattr(atoms, "arrays", {})
+    own = {name: values for name, values in arrays.items() if name != "numbers"}
+    columns = {"element": symbols, **own}
+    _keep(scene, {name: np.asarray(values)[stays] for name, values in columns.items()})
     return _told(scene, warnings, 1, None, None, getattr(atoms, "cell", None))
 
 
@@ -64,7 +69,9 @@ def from_mdanalysis(
     Elements that the topology does not give are inferred as `read` does: from the names of atoms
     and residues, else from masses. Virtual sites, such as ``MW`` of TIP4P, are not drawn.
     ``scene.warnings`` has the counts of both; ``scene.cell``, ``scene.number``, ``scene.time`` and
-    ``scene.step`` are those of the frame, as far as the trajectory has them.
+    ``scene.step`` are those of the frame, as far as the trajectory has them. ``scene.columns`` has
+    the element, and name, residue, chain, type, charge, mass and B factor as far as the topology
+    gives them.
 
     Args:
         group: An ``AtomGroup`` or a ``Universe``; its positions are angstrom.
@@ -100,6 +107,10 @@ def from_mdanalysis(
     scene = _scene(
         positions, np.asarray(symbols, dtype=str)[stays], radii, radius_scale, background
     )
+    known = {word: getattr(atoms, attribute, None) for word, attribute in _COLUMNS}
+    given = {word: rows for word, rows in known.items() if rows is not None}
+    columns = {"element": symbols, **given}
+    _keep(scene, {name: np.asarray(rows)[stays] for name, rows in columns.items()})
     frame = universe.trajectory.ts
     # Without a time of its own or a step that the user gave, a frame has its number as its time.
     time = frame.time if {"time", "dt"} & frame.data.keys() else None
@@ -112,6 +123,32 @@ def from_mdanalysis(
         None if step is None else int(step),
         frame.triclinic_dimensions,
     )
+
+
+# Words of selections, and the attributes of MDAnalysis that have them.
+_COLUMNS = (
+    ("name", "names"),
+    ("resname", "resnames"),
+    ("resid", "resids"),
+    ("chain", "chainIDs"),
+    ("segid", "segids"),
+    ("type", "types"),
+    ("charge", "charges"),
+    ("mass", "masses"),
+    ("bfactor", "tempfactors"),
+)
+
+
+def _keep(scene: Scene, columns: dict[str, NDArray[Any]]) -> None:
+    """Gives the scene the columns with a number or a text for each atom."""
+    flat = {
+        name: rows
+        for name, rows in columns.items()
+        if rows.ndim == 1 and rows.dtype.kind in "iufUO"
+    }
+    if len(scene):
+        given = {"positions": scene.centers, "radius": scene.radii, **flat}
+        scene._native = scene._native.with_columns(read(given, keep=True)._native)
 
 
 def _told(

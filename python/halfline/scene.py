@@ -5,8 +5,10 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
+from io import BytesIO
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any, Unpack
+from zipfile import ZipFile
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -51,6 +53,10 @@ class Scene:
             or ``"#rrggbb"``, one for each; or one colour for all. The default is a light grey.
         opacities: Opacities in pictures, shape (n,), or one for all: above 0, and at most 1, the
             default. No other buffer depends on them.
+        values: Numbers that give the colours in place of ``colors``, shape (n,); they are the
+            column ``value`` of `Scene.columns`, and of the legend.
+        map: The colour map of the values, as for `read`: a name, colours, or a map of matplotlib.
+        range: The values at the ends of the map; ``"1%"`` and the like are percentiles.
         background: Colour of rays that hit nothing: linear RGB, a CSS name, or ``"#rrggbb"``.
 
     Raises:
@@ -78,11 +84,25 @@ class Scene:
         colors: Color | None = None,
         *,
         opacities: ArrayLike | None = None,
+        values: ArrayLike | None = None,
+        map: Any = None,
+        range: tuple[float | str, float | str] | None = None,
         background: Color = (0.0, 0.0, 0.0),
     ) -> None:
         points = array("centers", centers, np.float64, "(n, 3)")
         count = len(points)
         sizes = _per_sphere("radii", radii, count, np.float64)
+        if values is not None:
+            if colors is not None or opacities is not None:
+                raise ValueError("values give the colors; give no colors and no opacities")
+            given = array("values", values, np.float64, "(n,)")
+            columns = {"positions": points, "radius": sizes, "value": given}
+            scene = _colored(columns, count, map, range)
+            self._native = scene.as_arrays(checked_color("background", background))
+            self._source: Source | None = None
+            return
+        if map is not None or range is not None:
+            raise ValueError("map and range are of values; give values, or neither")
         rows = None if colors is None else _rows(colors, count)
         shares = None
         alpha = _alpha(colors)
@@ -100,7 +120,7 @@ class Scene:
         self._native = _halfline.Scene(
             points, sizes, rows, shares, checked_color("background", background)
         )
-        self._source: Source | None = None
+        self._source = None
 
     @classmethod
     def _of(cls, native: _halfline.Scene, source: Source | None = None) -> Scene:
@@ -411,8 +431,38 @@ def _linear() -> NDArray[np.float32]:
     return np.array([_halfline.color(f"#{level:02x}0000")[0] for level in range(256)], np.float32)
 
 
+def _colored(
+    columns: Mapping[str, NDArray[Any]], count: int, map: Any, range: Any
+) -> _halfline.Scene:
+    """The spheres of columns of arrays, coloured by the column ``value``."""
+    for name, values in columns.items():
+        if len(values) != count:
+            raise ValueError(
+                f"{name}s has {len(values)} rows, and centers has {count}; give one per sphere"
+            )
+    options: ReadOptions = {"color_by": "value"}
+    if map is not None:
+        options["map"] = map
+    if range is not None:
+        options["range"] = range
+    return read(columns, keep=True, **options)._native
+
+
+def _archive(columns: Mapping[str, ArrayLike]) -> bytes:
+    """The .npz of arrays by their names."""
+    buffer = BytesIO()
+    with ZipFile(buffer, "w") as archive:
+        for name, values in columns.items():
+            rows = np.asarray(values)
+            if rows.dtype.kind == "O":
+                rows = rows.astype(str)
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, rows, allow_pickle=False)
+    return buffer.getvalue()
+
+
 def read(
-    path: Path,
+    path: Path | Mapping[str, ArrayLike],
     *,
     frame: int = 1,
     size: tuple[int, int] | None = None,
@@ -424,7 +474,8 @@ def read(
     Args:
         path: A scene or particle file (TOML, NFF, XYZ, PDB, mmCIF, GRO, LAMMPS, PLY, CSV, NumPy,
             XTC, LAS ...), also compressed with gzip, bzip2, xz or
-            Zstandard; see docs/reading.md.
+            Zstandard; see docs/reading.md. Or arrays by their names, as an .npz has them:
+            ``{"positions": xyz, "radius": r, "charge": q}``.
         frame: The frame of a sequence, from 1.
         size: Columns and rows of the image for which the camera is framed; by default those of the
             file, else 512 x 512.
@@ -443,7 +494,8 @@ def read(
     """
     number = whole("frame", frame, 1)
     native, given = _sequence(path, str(number), size, False, keep, options)
-    return Scene._of(next(native), Source(path, number, given))
+    source = None if isinstance(path, Mapping) else Source(path, number, given)
+    return Scene._of(next(native), source)
 
 
 def read_frames(
@@ -475,7 +527,7 @@ def read_frames(
 
 
 def _sequence(
-    path: Path,
+    path: Path | Mapping[str, ArrayLike],
     frames: str,
     size: tuple[int, int] | None,
     holds: bool,
@@ -488,11 +540,12 @@ def _sequence(
         name: list(value) if isinstance(value, Iterator) else value
         for name, value in options.items()
     }
-    fspath(path)
+    archive = _archive(path) if isinstance(path, Mapping) else None
+    file = "arrays.npz" if isinstance(path, Mapping) else fspath(path)
     image = None if size is None else checked_size("size", size)
     map, colors = _map(given.get("map"))
     words = {**given, "map": map}
-    sequence = _halfline.Sequence(path, words, keep, colors, frames, image, holds)
+    sequence = _halfline.Sequence(file, archive, words, keep, colors, frames, image, holds)
     return sequence, given
 
 

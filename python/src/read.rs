@@ -13,6 +13,7 @@ use halfline_files::read::style;
 use halfline_files::read::{FixedCamera, Hold, Keep, SceneFrame};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
@@ -76,13 +77,14 @@ impl Opened {
 
 #[pymethods]
 impl Sequence {
-    /// `colors` are those of a map, as levels of sRGB. `holds`: whether the frames have the camera of the first one, for an image of this
+    /// `archive` has the bytes of an .npz in place of a file. `colors` are those of a map, as levels of sRGB. `holds`: whether the frames have the camera of the first one, for an image of this
     /// size.
     #[new]
     #[expect(clippy::too_many_arguments, reason = "what is no option of the command has an argument of its own")]
     fn new(
         py: Python<'_>,
         path: PathBuf,
+        archive: Option<Vec<u8>>,
         options: &Bound<'_, PyDict>,
         keep: Option<&Bound<'_, PyAny>>,
         colors: Option<Vec<[u8; 3]>>,
@@ -100,9 +102,12 @@ impl Sequence {
             return Err(Error::settings("hold='all' is an option of the command only", mend)).or_raise();
         }
         let fixed_camera = FixedCamera::new(holds && read.hold != Hold::None);
-        let sequence = job.run(py, None, || halfline_files::read::Sequence::open(&path, &read))?;
+        let file = path.file_name().filter(|_| archive.is_none()).map(|name| name.to_string_lossy().into_owned());
+        let sequence = job.run(py, None, || match archive {
+            Some(bytes) => halfline_files::read::Sequence::from_reader(Cursor::new(bytes), &path, &read),
+            None => halfline_files::read::Sequence::open(&path, &read),
+        })?;
         let arrangement = choices.arrangement();
-        let file = path.file_name().map(|name| name.to_string_lossy().into_owned());
         Ok(Self(Mutex::new(Opened {
             sequence,
             arrangement,

@@ -182,6 +182,19 @@ impl Scene {
         self.with(frame)
     }
 
+    /// The same spheres with the columns of another scene, of as many.
+    fn with_columns(&self, other: &Self) -> Self {
+        self.with(SceneFrame { columns: other.frame.columns.clone(), ..self.frame.clone() })
+    }
+
+    /// The same spheres in the look of scenes of arrays, with another background.
+    fn as_arrays(&self, background: [f32; 3]) -> PyResult<Self> {
+        check_color(background, || "background".into()).or_raise()?;
+        let mut frame = SceneFrame { look: FileLook::default(), ..self.frame.clone() };
+        frame.scene.image.background = background;
+        Ok(self.with(frame))
+    }
+
     /// The number of the frame in its file.
     #[getter]
     fn number(&self) -> u64 {

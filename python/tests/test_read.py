@@ -219,6 +219,85 @@ def test_cameras_of_a_list(cpu: hl.Renderer, tmp_path: Path) -> None:
     assert [frame["depth"][2, 2] for frame in frames] == [4, 4]
 
 
+class Atoms:
+    """The part of ``ase.Atoms`` that is read."""
+
+    def __init__(self, symbols: str, positions: Any, arrays: dict[str, Any]) -> None:
+        self.symbols, self.positions, self.arrays = list(symbols), np.asarray(positions), arrays
+
+    def get_positions(self) -> Any:
+        return self.positions
+
+    def get_chemical_symbols(self) -> list[str]:
+        return self.symbols
+
+
+def test_arrays_of_atoms_are_columns(cpu: hl.Renderer) -> None:
+    positions = np.arange(12.0).reshape(4, 3)
+    arrays = {
+        "positions": positions,
+        "numbers": np.array([8, 1, 0, 1]),
+        "initial_charges": np.array([-0.8, 0.4, 9.0, 0.4]),
+        "forces": positions,
+        "residuenames": np.array(["HOH", "HOH", "", "WAT"]),
+    }
+    scene = hl.from_ase(Atoms("OHXH", positions, arrays))
+    # X is not drawn, and vectors are no columns.
+    assert scene.columns["initial_charges"].tolist() == [-0.8, 0.4, 0.4]
+    assert scene.columns["residuenames"].tolist() == ["HOH", "HOH", "WAT"]
+    assert scene.select("element H and initial_charges > 0").tolist() == [False, True, True]
+    assert "forces" not in scene.columns and "numbers" not in scene.columns
+    frame = cpu.render(scene, size=(8, 8), mark={"initial_charges < 0": "{residuenames}"})
+    assert frame["id"].shape == (8, 8)
+
+
+def test_arrays_are_read_as_files_are(cpu: hl.Renderer, tmp_path: Path) -> None:
+    random = np.random.default_rng(3)
+    arrays = {
+        "positions": random.normal(size=(50, 3)),
+        "radius": random.uniform(0.1, 0.3, 50),
+        "charge": random.normal(size=50),
+        "kind": np.array(["a", "bb"] * 25, dtype=object),
+    }
+    np.savez(tmp_path / "a.npz", **{**arrays, "kind": arrays["kind"].astype(str)})
+    options: dict[str, Any] = {"color_by": "charge", "map": "coolwarm", "select": "kind a"}
+    own, of_file = hl.read(arrays, **options), hl.read(tmp_path / "a.npz", **options)
+    assert len(own) == 25 and np.array_equal(own.centers, of_file.centers)
+    assert np.array_equal(own.colors, of_file.colors) and np.array_equal(own.radii, of_file.radii)
+    frames = [cpu.render(scene, size=(240, 200), legend=True).image for scene in (own, of_file)]
+    assert np.array_equal(*frames)
+    with pytest.raises(ValueError, match="mass"):
+        hl.read(arrays, color_by="mass")
+
+
+def test_values_give_the_colours_of_arrays(cpu: hl.Renderer) -> None:
+    random = np.random.default_rng(5)
+    centers, radii, values = (
+        random.normal(size=(90, 3)),
+        random.uniform(0.1, 0.2, 90),
+        np.arange(90),
+    )
+    scene = hl.Scene(
+        centers, radii, values=values, map="plasma", range=("10%", 80), background="white"
+    )
+    table = {"positions": centers, "radius": radii, "value": values.astype(float)}
+    expected = hl.read(table, color_by="value", map="plasma", range=("10%", 80))
+    assert np.array_equal(scene.colors, expected.colors)
+    assert scene.columns["value"].tolist() == values.tolist()
+    # The look is that of scenes of arrays.
+    painted = hl.Scene(centers, radii, scene.colors, background="white")
+    frames = [cpu.render(one, size=(30, 30)).image for one in (scene, painted)]
+    assert np.array_equal(*frames)
+    for wrong in (
+        {"values": values[:5]},
+        {"values": values, "colors": "red"},
+        {"map": "plasma"},
+        {"values": values, "map": "rainbow"},
+    ):
+        with pytest.raises(ValueError, match=r"values|rainbow"):
+            hl.Scene(centers, radii, **wrong)
+
+
 def test_atoms_of_ase(cpu: hl.Renderer, pdb: Path) -> None:
     ase = pytest.importorskip("ase")
     water = ase.Atoms("OHHX", [[0, 0, 0], [0.76, 0.59, 0], [-0.76, 0.59, 0], [3, 0, 0]])
@@ -229,6 +308,7 @@ def test_atoms_of_ase(cpu: hl.Renderer, pdb: Path) -> None:
     )
     assert scene.warnings == ["1 atom of the element X (number 0) left out"]
     assert scene.cell is None and scene.time is None
+    assert scene.columns["element"].tolist() == ["O", "H", "H"]
     del water[3]
     water.set_cell([[5, 0, 0], [1, 6, 0], [0, 0, 7]])
     whole = hl.from_ase(water)
@@ -248,6 +328,9 @@ def test_atoms_of_mdanalysis(pdb: Path) -> None:
     )
     # MDAnalysis has single precision.
     assert np.allclose(scene.centers, expected.centers, atol=1e-5)
+    for word in ("name", "resname", "element"):
+        assert scene.columns[word].tolist() == expected.columns[word].tolist(), word
+    assert scene.columns["resid"].tolist() == expected.columns["resid"].tolist()
 
 
 TIP4P = """water and a peptide, t= 0.5

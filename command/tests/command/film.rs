@@ -177,6 +177,27 @@ fn a_frame_alone_says_what_the_film_says() {
     assert!(stderr("2").contains(line), "{}", stderr("2"));
 }
 
+/// With --hold all the percentiles are those of the values of all frames, as those of NumPy.
+#[test]
+fn percentiles_of_a_film_are_those_of_all_frames() {
+    let frame = |first: usize| {
+        let rows = (0..10).map(|n| format!("C {n} 0 0 {}\n", first + n));
+        format!("10\nProperties=species:S:1:pos:R:3:q:R:1\n{}", rows.collect::<String>())
+    };
+    let dir = TestDir::new(&[("film.xyz", &[0, 10].map(frame).concat())]);
+    let film = "film.xyz --frames 1-2 --size 60x20 --color-by q --hold all";
+    dir.render(&format!("{film} --range 10%,90% -o a%d.png"));
+    // Of 0 to 19.
+    dir.render(&format!("{film} --range 1.9,17.1 -o b%d.png"));
+    dir.render(&format!("{film} --range 10%,17.1 -o c%d.png"));
+    for k in 1..=2 {
+        let pixels = |name: char| dir.get(&format!("{name}{k}.png"));
+        assert!(pixels('a') == pixels('b') && pixels('c') == pixels('b'), "picture {k}");
+    }
+    dir.render("film.xyz --frames 1-2 --size 60x20 --color-by q --range 10%,90% -o d%d.png");
+    assert!(dir.get("d1.png") != dir.get("b1.png"), "those of the first frame");
+}
+
 #[test]
 fn hold_all_shows_every_frame_completely() {
     let dir = TestDir::new(&[("gas.dump", &gas(20))]);

@@ -13,7 +13,7 @@ pub use coloring::Coloring;
 pub use halfline_particles::color::color;
 pub use map_file::color_map;
 pub use paint::Paint;
-pub use scale::{RangeEnd, Scale};
+pub use scale::{GatheredValues, RangeEnd, Scale};
 
 pub(super) use categories::joined_categories;
 use halfline::error::{Error, Place, Result, named};

@@ -4,10 +4,12 @@ use halfline::error::{Error, Result};
 use halfline::frame::color_map::ColorMap;
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb::{level, linear};
+use halfline::memory::check;
 use halfline::parallel;
 use halfline::quote::quote;
-use halfline::quote::setting::NAN_COLOR;
+use halfline::quote::setting::{NAN_COLOR, RANGE};
 use std::str::FromStr;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// The mapping of the numbers or names of a column to colours.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +28,34 @@ pub struct Scale {
     /// Names of categories whose colours are fixed, in the order of their colours: a film keeps those of its first frame.
     /// Others follow in the file's order.
     pub names: Vec<String>,
+    /// The place for the values of all frames, where their percentiles are to be found.
+    pub gathered: Option<GatheredValues>,
+}
+
+/// Values of a column, of every frame that was read with a scale that has this place. All are equal as options.
+#[derive(Debug, Clone, Default)]
+pub struct GatheredValues(Arc<Mutex<Vec<f64>>>);
+
+impl GatheredValues {
+    fn lock(&self) -> MutexGuard<'_, Vec<f64>> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns an error where the values need more memory than there is.
+    ///
+    /// # Errors
+    /// [`Error::Limits`].
+    pub fn check(&self) -> Result<()> {
+        let more = self.lock().len() as u64;
+        // Twice: they grow, and are sorted.
+        check(2 * 8 * more, || format!("the {more} values of all frames, of which {RANGE} has percentiles"))
+    }
+}
+
+impl PartialEq for GatheredValues {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 impl Scale {
@@ -51,6 +81,9 @@ impl Scale {
         if let Some(range) = self.known_range() {
             return range;
         }
+        if let Some(gathered) = &self.gathered {
+            gathered.lock().extend(values.clone());
+        }
         let Some(ends) = self.range else {
             return values.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
         };
@@ -61,6 +94,14 @@ impl Scale {
             RangeEnd::Percentile(percent) => percentile(&sorted, percent).unwrap_or(without),
         };
         [value(ends[0], f64::INFINITY), value(ends[1], f64::NEG_INFINITY)]
+    }
+
+    /// Gives the scale the range of all values that were gathered, if they were.
+    pub fn settle_range(&mut self) {
+        if let Some(gathered) = self.gathered.take() {
+            let values = std::mem::take(&mut *gathered.lock());
+            self.range = Some(self.ends(values.iter().copied()).map(RangeEnd::Value));
+        }
     }
 
     /// Linear RGB of particles without a number.
@@ -81,7 +122,7 @@ impl Scale {
     /// The colours of these columns, with everything else as it is by default.
     #[must_use]
     pub fn of(columns: Vec<String>) -> Self {
-        Self { columns, map: None, range: None, log: false, nan_color: None, names: Vec::new() }
+        Self { columns, map: None, range: None, log: false, nan_color: None, names: Vec::new(), gathered: None }
     }
 }
 
