@@ -195,7 +195,7 @@ impl Choices {
         args.files.apply(&mut frame.scene);
         if let Some(width) = args.open_width() {
             let shares = |frame: &_| args.insets.legend_shares(frame);
-            let height = framing::filled_height(&args.camera, &frame, width, &shares)?;
+            let height = framing::filled_height(&args.camera, &mut frame, width, &shares)?;
             frame.scene.resize([width, height]);
         }
         if !frame.has_camera {

@@ -38,7 +38,7 @@ pub(crate) struct Compare {
     #[arg(long, value_name = "X", default_value = "0", value_parser = tolerance, allow_negative_numbers = true)]
     tolerance: f64,
     /// The share of the pixels of a buffer that may differ by more, such as 0.1%.
-    #[arg(long, value_name = "P%", value_parser = share)]
+    #[arg(long, value_name = "P%", value_parser = part)]
     share: Option<f64>,
     /// The buffers to compare, such as depth,normal [default: all].
     #[arg(long, value_name = "NAME,...", value_delimiter = ',')]
@@ -93,5 +93,13 @@ impl Compare {
             print(&format!("{text}\n"))?;
         }
         Ok(found.exit_code())
+    }
+}
+
+/// A share that is in percent, or below 1: 1 alone could be meant as either.
+fn part(text: &str) -> Result<f64, String> {
+    match share(text)? {
+        1.0 if !text.ends_with('%') => Err("expected a percentage, such as 1%, or a share below 1".into()),
+        found => Ok(found),
     }
 }

@@ -181,7 +181,7 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
 /// As [`point`], and those of `legend_shares`.
 pub(super) fn filled_height(
     options: &CameraArgs,
-    frame: &SceneFrame,
+    frame: &mut SceneFrame,
     width: u32,
     legend_shares: &dyn Fn(&SceneFrame) -> Result<[f64; 2]>,
 ) -> Result<u32> {
@@ -189,6 +189,10 @@ pub(super) fn filled_height(
     trial.scene.resize([width, width]);
     let shares = legend_shares(&trial)?;
     let framing = point(options, &mut trial, shares)?;
+    if framing.is_none() {
+        let words = "the camera is given, so an open height is that of the file's image; --trim cuts empty borders";
+        frame.skipped.assumed.push(words.to_owned());
+    }
     let shape = match (framing, trial.scene.camera.lens) {
         (_, lens) if lens.is_panorama() => 0.5,
         (_, Lens::Viewport { vw, vh, .. }) => vh / vw,

@@ -142,7 +142,7 @@ impl InsetArgs {
         picture: &PictureScene,
         frame: &Frame,
         (renderer, settings): (&mut Renderer, &Settings),
-    ) -> Result<Option<String>> {
+    ) -> Result<Vec<String>> {
         let things: Vec<Thing> =
             picture.marked.iter().map(|Marked { text, ids }| (text.clone(), ids.clone())).collect();
         let settings = Settings { aovs: vec![Aov::Id], ..settings.clone() };

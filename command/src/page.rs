@@ -121,6 +121,7 @@ pub fn make(memory: MemoryScene) -> Result<MadePage> {
     let bug = |what: &str| Error::settings(what, "report this as a bug");
     let content = Content::unpack(&bytes).ok_or_else(|| bug("the content of the page cannot be read back"))?;
     let (camera, size, frames) = (content.camera, content.size, content.frames.len());
+    let caption = content.text.caption.clone();
     let title = content.text.title.clone().unwrap_or_else(|| content.name.clone());
     let spheres = content.frames.iter().map(|frame| frame.scene.spheres.len()).sum();
     let columns = content.frames[0].columns.names().map(str::to_owned).collect();
@@ -131,7 +132,7 @@ pub fn make(memory: MemoryScene) -> Result<MadePage> {
         return Err(bug("the page has no picture"));
     };
     let warnings = serde_json::from_value(info["warnings"].clone()).unwrap_or_default();
-    let html = Html::new(&title, size, &program, &bytes, &png)?;
+    let html = Html::new((&title, caption.as_deref()), size, &program, &bytes, &png)?;
     let Html { text, program: program_bytes, content: content_bytes } = html;
     Ok(MadePage { html: text, frames, spheres, columns, program_bytes, content_bytes, warnings })
 }

@@ -60,7 +60,7 @@ impl Html {
     /// # Errors
     /// [`Error::Io`] where the content cannot be compressed.
     pub(super) fn new(
-        name: &str,
+        (name, caption): (&str, Option<&str>),
         [width, height]: [u32; 2],
         program: &Program,
         content: &[u8],
@@ -78,6 +78,7 @@ impl Html {
         let worker = [program.script, halfline_viewer::worker_script()].join("\n");
         let (style_hash, script_hash) = (hash(&style), hash(&script));
         let (title, png) = (escaped(name), STANDARD.encode(png));
+        let caption = caption.map(|text| format!("<p>{}</p>", escaped(text))).unwrap_or_default();
         let version = env!("CARGO_PKG_VERSION");
         let text = format!(
             "<!doctype html>\n<!-- {LICENCES} -->\n<html lang=\"en\">\n<meta charset=\"utf-8\">\n\
@@ -88,7 +89,7 @@ impl Html {
              <meta name=\"generator\" content=\"halfline {version}\">\n\
              <title>{title}</title>\n<style>{style}</style>\n\
              <figure id=\"still\"><img src=\"data:image/png;base64,{png}\" width=\"{width}\" height=\"{height}\" alt=\"{title}\">\
-             <figcaption id=\"why\">A picture only: this browser runs no scripts</figcaption></figure>\n\
+             <figcaption>{caption}<span id=\"why\">A picture only: this browser runs no scripts</span></figcaption></figure>\n\
              <div class=\"halfline-view hl-page\" id=\"view\" hidden></div>\n\
              <script type=\"text/plain\" id=\"program\">{code}</script>\n\
              <script type=\"text/plain\" id=\"content\">{content}</script>\n\

@@ -10,6 +10,7 @@ use crate::preview::Preview;
 use crate::scene_args::SceneArgs;
 use crate::signals::go_on;
 use halfline::error::Result;
+use halfline::frame::legend::Legend;
 use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
 use halfline::parallel;
@@ -19,6 +20,7 @@ use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
 use halfline_drawing::inset::Panels;
+use halfline_files::read::style::RangeEnd;
 use halfline_files::write::figure;
 use halfline_files::write::file::{Target, check_writable};
 use halfline_files::write::glb;
@@ -144,6 +146,11 @@ impl PictureWriter<'_> {
             .into_iter()
             .chain(numbered.look.words())
             .for_each(|words| self.messages.note(number, words));
+        let is_percentile =
+            self.args.color.range.is_some_and(|ends| ends.iter().any(|end| matches!(end, RangeEnd::Percentile(_))));
+        if let Some(Legend { range: [low, high], .. }) = numbered.legend.as_ref().filter(|_| is_percentile) {
+            self.messages.note(number, format!("the colours go from {low} to {high}, the percentiles of --range"));
+        }
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             self.messages.note(number, frame.report.reason.clone());
         }

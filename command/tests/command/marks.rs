@@ -47,6 +47,11 @@ fn texts_stand_at_visible_things() {
     assert!((42..=48).contains(&(y0.midpoint(y1))), "{y0} {y1}: the row of its middle");
     assert_eq!(marked("--mark resname~HID=x"), None, "hidden");
     assert!(marked("--mark resname~HID=x --mark-all").is_some());
+    // What is hidden is said where it is not the most.
+    let warned = |options: &str| picture(&dir, &format!("m.pdb {options}")).1;
+    let words = warned("--mark all={resname}");
+    assert!(words.contains("1 of 3 marks name what no pixel shows (HID)") && words.contains("--mark-all"), "{words}");
+    assert!(!warned("--mark all={resname} --mark-all").contains("no pixel shows"));
     assert_eq!(marked("--mark resname~ALA=x"), None, "nothing is selected");
     let (ghost, _) = picture(&dir, "m.pdb --opacity resname~LIG=0.5");
     let through = picture(&dir, "m.pdb --opacity resname~LIG=0.5 --mark resname~HID=x").0;

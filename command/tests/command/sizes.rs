@@ -143,3 +143,10 @@ fn what_is_trimmed_is_the_part_that_shows_something() {
         dir.refused_render(2, &format!("{camera} {words}"), &[problem]);
     }
 }
+
+#[test]
+fn an_open_height_without_framing_says_so() {
+    let dir = TestDir::new(&[("box.csv", &box_of([3.0, 2.0, 1.0]))]);
+    let out = dir.render("box.csv --eye 0,0,30 --at 0,0,0 --size 60xauto -o p.png");
+    assert!(png(&dir.get("p.png")) == [60, 60] && out.err.contains("--trim cuts empty borders"), "{}", out.err);
+}

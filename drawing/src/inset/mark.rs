@@ -12,7 +12,7 @@ use glam::DVec2;
 use halfline::camera::Projector;
 use halfline::error::Result;
 use halfline::frame::Frame;
-use halfline::quote::setting::{MARK, SIZE};
+use halfline::quote::setting::{MARK, MARK_ALL, SIZE};
 use halfline::quote::{count, list};
 use halfline::scene::Scene;
 use place::{Disc, Target};
@@ -38,22 +38,24 @@ impl Panels {
         ids: &[i32],
         all: bool,
         render: impl FnOnce(&Scene) -> Result<Frame>,
-    ) -> Result<Option<String>> {
+    ) -> Result<Vec<String>> {
         if things.is_empty() {
-            return Ok(None);
+            return Ok(Vec::new());
         }
         let size = [scene.image.width, scene.image.height];
         let projector = scene.camera.projector(size)?;
         let visible = VisibleThings::new(size.map(|side| side as usize), things, &images_of(scene, ids, render)?);
-        let mut targets = Vec::new();
+        // Visible things have their places before hidden ones.
+        let (mut targets, mut hidden) = (Vec::new(), Vec::new());
         for (number, (text, ids)) in things.iter().enumerate() {
-            let target = match visible.thing(number) {
-                Some(thing) => Some(Target::Visible(thing)),
-                None if all => disc(scene, &projector, ids).map(Target::Hidden),
-                None => None,
-            };
-            targets.extend(target.map(|target| (&text[..], target)));
+            match visible.thing(number) {
+                Some(thing) => targets.push((&text[..], Target::Visible(thing))),
+                None => hidden.push((&text[..], ids)),
+            }
         }
+        let unseen = (!all && hidden.len() <= targets.len().max(1)).then(|| unseen(&hidden, things.len())).flatten();
+        let behind = hidden.into_iter().filter(|_| all);
+        targets.extend(behind.filter_map(|(text, ids)| Some((text, Target::Hidden(disc(scene, &projector, ids)?)))));
         let left_out = self.mark(size, is_dark(scene.image.background), &visible, &targets);
         let warning = || {
             let (some, all) = (left_out.len(), count(targets.len() as u64, "mark"));
@@ -61,7 +63,7 @@ impl Panels {
                 format!("{some} of {all} have no place in the picture beside the others ({})", list(&left_out));
             format!("{problem}: a larger {SIZE}, or fewer by {MARK}, leave more room")
         };
-        Ok((!left_out.is_empty()).then(warning))
+        Ok((!left_out.is_empty()).then(warning).into_iter().chain(unseen).collect())
     }
 
     /// Adds marks to a picture of this size, light ones with a dark halo or dark ones with a light halo, in their order. Returns the
@@ -93,6 +95,15 @@ impl Panels {
         }
         left_out
     }
+}
+
+/// A warning about marks of hidden things, which are not drawn; `None` without any. Where most things are hidden, as within a protein, that
+/// is no surprise.
+fn unseen(hidden: &[(&str, &Vec<u32>)], count_of_all: usize) -> Option<String> {
+    let texts: Vec<&str> = hidden.iter().map(|(text, _)| *text).collect();
+    let (some, all) = (texts.len(), count(count_of_all as u64, "mark"));
+    let problem = || format!("{some} of {all} name what no pixel shows ({})", list(&texts));
+    (some > 0).then(|| format!("{}: another view shows it, and {MARK_ALL} writes them anyway", problem()))
 }
 
 /// The ids that the pixels of a frame show, and where spheres are translucent those of the opaque ones alone, of which `render`
