@@ -13,7 +13,9 @@ use crate::scene::{Material, Scene, Sky};
 use crate::shade::Shade;
 use crate::window::Window;
 use halfline_ground::error::{Error, Place, Result, named};
-use halfline_ground::quote::setting::{CRYPTOMATTE, DEPTH_CUE_STRENGTH, LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN};
+use halfline_ground::quote::setting::{
+    CRYPTOMATTE, DEPTH_CUE_STRENGTH, GHOST_RIM, LAYERS, LOOK, OPACITY, OPACITY_SHADOWS, SUN,
+};
 use serde::Serialize;
 
 /// The device that renders: a GPU or the CPU.
@@ -84,6 +86,8 @@ pub struct Settings {
     pub layers: u32,
     /// Whether translucent spheres block the lights and the sky of the picture as opaque ones do.
     pub opacity_shadows: bool,
+    /// Whether translucent spheres of the picture grow opaque toward their rim.
+    pub ghost_rim: bool,
     /// Whether dark lines are drawn in the colour where the depth jumps by several pixels, or behind the last sphere.
     pub silhouette: bool,
     /// Width and colour of these lines.
@@ -181,7 +185,7 @@ impl Settings {
 
     /// Warnings about settings of translucent spheres that change nothing, since a picture has none of them.
     pub(crate) fn idle_layers(&self) -> impl Iterator<Item = String> {
-        let given = [(self.layers > 0, LAYERS), (self.opacity_shadows, OPACITY_SHADOWS)];
+        let given = [(self.layers > 0, LAYERS), (self.opacity_shadows, OPACITY_SHADOWS), (self.ghost_rim, GHOST_RIM)];
         let why = format!("no sphere of the picture has an {OPACITY} below 1");
         given
             .into_iter()

@@ -63,6 +63,9 @@ pub(super) struct LightArgs {
     /// Lets translucent spheres block lights and sky as opaque ones do.
     #[arg(long)]
     opacity_shadows: bool,
+    /// Lets translucent spheres grow opaque toward their rim, so that their shapes are seen.
+    #[arg(long)]
+    ghost_rim: bool,
 }
 
 /// The inputs that choose a look together with `--look`.
@@ -106,6 +109,7 @@ impl LightArgs {
             outline: Outline::of(self.outline_width, self.outline_color),
             layers: self.layers.unwrap_or_default(),
             opacity_shadows: self.opacity_shadows,
+            ghost_rim: self.ghost_rim,
             depth_cue_strength: self.depth_cue_strength,
             ..settings
         }

@@ -174,6 +174,7 @@ const OPTIONS: &[OptionRow] = &[
     row("depth_cue", Keyword(Render, "depth_cue", Flag, "bool"), CONFIG | NO_PART),
     row("depth_cue_strength", Keyword(Render, "depth_cue_strength", Number, "float | None"), CONFIG | NO_PART),
     row("layers", Keyword(Render, "layers", Number, "int | None"), NO_PART),
+    row("ghost_rim", Keyword(Render, "ghost_rim", Flag, "bool"), NO_PART),
     row("opacity_shadows", Keyword(Render, "opacity_shadows", Flag, "bool"), NO_PART),
     row("background", Keyword(Render, "background", Color, "Color | None"), CONFIG | NO_PART),
     row("legend_in", Keyword(Render, "legend", Legend, "bool | Path"), NO_PART),

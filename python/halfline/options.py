@@ -236,6 +236,8 @@ class Options(TypedDict, total=False):
     """Shows so many translucent spheres before the first opaque one, the nearest, up to 64; see
     opacity [default: 1].
     """
+    ghost_rim: bool
+    """Lets translucent spheres grow opaque toward their rim, so that their shapes are seen."""
     opacity_shadows: bool
     """Lets translucent spheres block lights and sky as opaque ones do."""
     background: Color | None

@@ -127,6 +127,7 @@ RENDER: dict[str, list[Choice]] = {
     "depth_cue_strength": [("0.9", 0.9), ("0", 0)],
     "layers": [("2", 2), ("64", 64), ("65", 65)],
     "opacity_shadows": [(None, True)],
+    "ghost_rim": [(None, True)],
     "background": [("white", "white"), ("0.2,0.3,0.4", (0.2, 0.3, 0.4))],
     "legend_in": [(None, True), ("top-left", "top-left"), ("bottom-right", "bottom-right")],
     "label": [("{file} {count}", "{file} {count}"), ("{time}", "{time}"), ("{who}", "{who}")],

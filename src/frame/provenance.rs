@@ -84,6 +84,9 @@ impl Provenance {
             if report.opacity_shadows {
                 words.set("halfline:opacity-shadows", "true");
             }
+            if report.ghost_rim {
+                words.set("halfline:ghost-rim", "true");
+            }
         }
         if aovs.contains(&Aov::Shadow) {
             words.set(LIGHTS, report.lights);

@@ -58,6 +58,8 @@ pub struct Report {
     pub layers: Option<u32>,
     /// Whether translucent spheres block its lights and its sky.
     pub opacity_shadows: bool,
+    /// Whether they grow opaque toward their rim.
+    pub ghost_rim: bool,
     /// The curve of pictures in 8 and 16 bits for light beyond 1; `None` if colour is not requested.
     pub tone: Option<Tone>,
     /// The exposure of these pictures, stops.

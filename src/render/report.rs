@@ -45,6 +45,7 @@ pub(super) fn known(at: &Rendering<'_>, plan: &Plan) -> Report {
         depth_cue_strength: settings.cue_strength().filter(|strength| *strength != DEPTH_CUE),
         layers: plan.see_through.then(|| settings.layers.max(1)),
         opacity_shadows: plan.see_through && settings.opacity_shadows,
+        ghost_rim: plan.see_through && settings.ghost_rim,
         tone: settings.asks(&[Aov::Color]).then(|| settings.toning(scene).tone),
         exposure: settings.exposure,
         setup_ms: renderer.setup_ms,

@@ -301,6 +301,42 @@ fn translucent_spheres_cast_shadows_with_opacity_shadows_alone() {
     }
 }
 
+/// With a rim a sphere is as opaque as the documentation says: a + (1 - a) (1 - cos)^3 of the angle between the ray and the normal.
+#[test]
+fn rims_grow_opaque_with_the_angle() {
+    let (radius, opacity) = (3.0, 0.3_f64);
+    let mut spheres = Spheres::default();
+    spheres.push([1.0, -0.5, -7.0], radius, Some([0.8, 0.3, 0.1]));
+    spheres.set_opacity_from(spheres.len() - 1, opacity as f32);
+    let lens = Lens::Orthographic { height: 8.0 };
+    let camera = Camera { eye: DVec3::ZERO, look: Toward::View(-DVec3::Z), up: DVec3::Y, lens };
+    let image = ImagePlane { width: 80, height: 60, ..ImagePlane::default() };
+    let scene = Scene { camera, image, spheres, lighting: Lighting::default() };
+    let settings = Settings { aovs: vec![Aov::Alpha], ghost_rim: true, ..Settings::default() };
+    let mut cpu = cpu();
+    let frame = render(&mut cpu, &scene, &settings);
+    let alpha = frame.f32(Aov::Alpha).expect("coverage");
+    let (mut hits, mut least, mut most) = (0, 1.0_f64, 0.0_f64);
+    for (pixel, found) in alpha.iter().enumerate() {
+        let (row, column) = (pixel / 80, pixel % 80);
+        let [x, y] = [(column as f64 + 0.5 - 40.0) * 8.0 / 60.0 - 1.0, (29.5 - row as f64) * 8.0 / 60.0 + 0.5];
+        let away = x.hypot(y) / radius;
+        if away >= 1.0 {
+            assert_eq!(*found, 0.0, "pixel {pixel}");
+            continue;
+        }
+        let expected = opacity + (1.0 - opacity) * (1.0 - (1.0 - away * away).sqrt()).powi(3);
+        // Rounding to f32, of the opacity and of the share.
+        assert!((f64::from(*found) - expected).abs() < 3e-7, "pixel {pixel}: {found}, not {expected}");
+        (hits, least, most) = (hits + 1, least.min(expected), most.max(expected));
+    }
+    assert!(hits > 1000 && least < 0.301 && most > 0.8, "{hits} hits from {least} to {most}");
+    assert!(frame.report.ghost_rim && frame.report.layers == Some(1));
+    let plain = render(&mut cpu, &scene, &Settings { ghost_rim: false, ..settings.clone() });
+    assert_eq!(plain.ids(), frame.ids());
+    assert!(plain.f32(Aov::Alpha).expect("coverage").iter().all(|x| *x == 0.0 || *x == 0.3));
+}
+
 /// A mirror shows a translucent sphere as an opaque one.
 #[test]
 fn mirrors_show_translucent_spheres_as_opaque() {

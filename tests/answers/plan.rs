@@ -225,14 +225,15 @@ fn of_each_kind() -> Vec<(Scene, Option<Aperture>)> {
 /// The part of a report that is known before the frame is computed.
 fn before(report: Report) -> impl PartialEq + std::fmt::Debug {
     let Report { backend, adapter, driver, backend_reason, accuracy, method, search, reason, .. } = report;
-    let Report { samples, shade, layers, opacity_shadows, tone, silhouette, outline, depth_cue, .. } = report;
+    let Report { samples, shade, layers, opacity_shadows, ghost_rim, tone, silhouette, outline, depth_cue, .. } =
+        report;
     let place = (backend, adapter, driver, backend_reason, accuracy, method, search, reason, report.camera);
     (
         place,
         samples,
         shade,
         layers,
-        opacity_shadows,
+        (opacity_shadows, ghost_rim),
         tone,
         silhouette,
         outline,

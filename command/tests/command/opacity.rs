@@ -48,8 +48,8 @@ fn opacities_change_pictures_alone() {
     assert!(dir.get("three.png") != dir.get("ghost.png"));
     let warnings = |report: serde_json::Value| report["warnings"].clone();
     let idle = |option: &str| format!("--{option} changes nothing: no sphere of the picture has an --opacity below 1");
-    let given = warnings(render("idle", "--layers 2 --opacity-shadows --opacity 1"));
-    assert_eq!(given, json!([idle("layers"), idle("opacity-shadows")]));
+    let given = warnings(render("idle", "--layers 2 --opacity-shadows --ghost-rim --opacity 1"));
+    assert_eq!(given, json!([idle("layers"), idle("opacity-shadows"), idle("ghost-rim")]));
 }
 
 #[test]

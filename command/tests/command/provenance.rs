@@ -44,6 +44,7 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--opacity", &["0.4", "0.9"]),
     ("--layers", &["1", "2"]),
     ("--opacity-shadows", &[""]),
+    ("--ghost-rim", &[""]),
     ("--shade", &["flat", "headlight", "normal", "lights"]),
     ("--accuracy", &["fast", "certified", "exact"]),
     ("--method", &["textbook", "stable", "double-float"]),

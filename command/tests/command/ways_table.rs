@@ -194,6 +194,7 @@ pub(crate) fn rows() -> Vec<Row> {
         row("layers", &format!("{CAMERA} --opacity 0.5"), "--layers 3").or(&["--opacity"]),
         row("opacity-shadows", &format!("{CAMERA} --opacity 0.5 --sun 1,1,1 --shadows"), "--opacity-shadows")
             .or(&["--opacity", "lights and a sky need all spheres in memory"]),
+        row("ghost-rim", &format!("{CAMERA} --opacity 0.5"), "--ghost-rim").or(&["--opacity"]),
         at("shade", "--shade normal"),
         at("background", "--background white"),
         at("transparent", "--transparent"),

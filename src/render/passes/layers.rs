@@ -13,6 +13,7 @@ use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::{self, FrameSetup};
 use crate::scene::{Scene, Spheres};
 use crate::view::View;
+use crate::view::picture_rays::PictureRays;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
 use halfline_ground::error::Result;
@@ -152,16 +153,32 @@ pub(super) fn find(at: &mut Rendering<'_>, shown: &mut Shown, scene: &Scene, opa
     Ok(layers)
 }
 
+/// The opacity of each hit of a layer: that of its sphere, or with the rays of a rim, one that grows to 1 where the ray grazes the sphere, as
+/// the share that glass reflects does: C. Schlick, An Inexpensive BRDF Model for Physically-based Rendering, Computer Graphics Forum 13(3),
+/// 1994.
+pub(super) fn opacities(spheres: &Spheres, layer: &[u32], rim: Option<&PictureRays<'_>>) -> Vec<f32> {
+    parallel::from_fn(layer.len(), |pixel| {
+        let id = layer[pixel];
+        if id == NONE {
+            return 0.0;
+        }
+        let (opacity, n) = (spheres.opacity(id), id as usize);
+        let hit = rim.map(|rays| rays.hit(pixel as u32, spheres.centers[n], spheres.radii[n]));
+        hit.filter(|hit| hit.near).map_or(opacity, |hit| {
+            let grazing = 1.0 - hit.normal.dot(-hit.along).clamp(0.0, 1.0);
+            opacity + (1.0 - opacity) * (grazing * grazing * grazing) as f32
+        })
+    })
+}
+
 /// Lays a layer over the picture of what lies behind it: colours in linear light, by the opacity of each hit. `passing` is the share
 /// of the light behind that reaches the eye.
-pub(super) fn lay_over(spheres: &Spheres, layer: &[u32], over: &[f32], color: &mut [f32], passing: &mut [f32]) {
-    let opacity = |id: u32| if id == NONE { 0.0 } else { spheres.opacity(id) };
-    parallel::each(passing, |pixel, passing| *passing *= 1.0 - opacity(layer[pixel]));
+pub(super) fn lay_over(opacities: &[f32], over: &[f32], color: &mut [f32], passing: &mut [f32]) {
+    parallel::each(passing, |pixel, passing| *passing *= 1.0 - opacities[pixel]);
     parallel::fill(Rows { values: color, each: 3 }, CHEAP, &|pixels, color| {
         let over = over[3 * pixels.start..].chunks_exact(3);
-        for ((color, over), id) in color.values.chunks_exact_mut(3).zip(over).zip(&layer[pixels]) {
-            let opacity = opacity(*id);
-            color.iter_mut().zip(over).for_each(|(color, over)| *color += opacity * (*over - *color));
+        for ((color, over), opacity) in color.values.chunks_exact_mut(3).zip(over).zip(&opacities[pixels]) {
+            color.iter_mut().zip(over).for_each(|(color, over)| *color += *opacity * (*over - *color));
         }
     });
 }

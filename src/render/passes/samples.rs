@@ -20,6 +20,7 @@ use crate::render::plan::Plan;
 use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::FrameSetup;
 use crate::view::View;
+use crate::view::picture_rays::PictureRays;
 use crate::view::raster::Raster;
 use crate::view::ray::NONE;
 use halfline_ground::error::Result;
@@ -147,7 +148,7 @@ fn pass(
     Over { open, cue }: Over<'_>,
     (hits, passing): (&mut FirstHits, &mut [f32]),
 ) -> Result<()> {
-    let Sampling { kernel, scene, trees, .. } = sampling;
+    let Sampling { kernel, scene, trees, settings, .. } = sampling;
     setups.find(at, &sampling, hits)?;
     let (of, view) = (setups.alone.as_ref().unwrap_or(scene), &setups.first.view);
     let FirstHits { raw, settled } = hits;
@@ -179,7 +180,9 @@ fn pass(
             let front = |n: usize| if layer[n] == NONE { raw.id[n] } else { layer[n] };
             finish::run(at, sampling, view, (&parallel::from_fn(layer.len(), front), None), cue, &mut over);
         }
-        lay_over(&scene.spheres, layer, &over, &mut raw.color, passing);
+        let rays = settings.ghost_rim.then(|| PictureRays::new(view));
+        let opacities = layers::opacities(&scene.spheres, layer, rays.as_ref());
+        lay_over(&opacities, &over, &mut raw.color, passing);
         at.pool.put_back(over);
     }
     layers.into_iter().for_each(|layer| at.pool.put_back(layer));
