@@ -121,7 +121,7 @@ impl FileArgs {
     /// a preference from elsewhere may apply to no file.
     pub(super) fn check_formats(&self, targets: &[Target]) -> Result<()> {
         let film = self.film().map(|film| film.path);
-        let holds = |target: &Target| target.format().takes_dpi() && Some(target.path()) != film;
+        let holds = |target: &Target| target.format().has_levels() && Some(target.path()) != film;
         if self.typed.has("dpi") && !targets.iter().any(holds) {
             let problem = "--dpi applies to .png, .tif, .jpg and .webp files, and none is written";
             return Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"));

@@ -93,7 +93,7 @@ impl Frame {
         let frame = self.exact()?;
         let drawn = panels.map(|panels| self.drawn(panels, &[target.aovs(), &[Aov::Id]].concat())).transpose()?;
         let shown = drawn.as_ref().unwrap_or(frame);
-        let content = shown.content(self.scene.image.background).filter(|_| *trims);
+        let content = trims.then(|| shown.content(self.scene.image.background)).flatten();
         let part = content.map(|window| shown.cut(window));
         let written = part.as_ref().unwrap_or(shown);
         let origin = origin(&self.scene, &self.settings, &frame.report, written.window);

@@ -243,7 +243,7 @@ impl PictureWriter<'_> {
         };
         let mut content = None;
         let mut trimmed = |frame: &Frame| {
-            content = content.or_else(|| frame.content(background).filter(|_| trim));
+            content = content.or_else(|| trim.then(|| frame.content(background)).flatten());
             content
         };
         if let Some(panels) = panels.filter(|_| !pictures.is_empty()) {

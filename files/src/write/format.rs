@@ -67,7 +67,7 @@ impl FileFormat {
         }
     }
 
-    /// Whether colour is stored as levels of sRGB, as it is seen.
+    /// Whether colour is stored as levels of sRGB, as it is seen, with the resolution for print.
     pub fn has_levels(self) -> bool {
         self == Self::Png || self.is_copy()
     }
@@ -85,11 +85,6 @@ impl FileFormat {
     /// Whether legends, labels and marks are drawn into its colour.
     pub fn is_picture(self) -> bool {
         self == Self::Exr || self.has_levels()
-    }
-
-    /// Whether it stores the resolution for print.
-    pub fn takes_dpi(self) -> bool {
-        self.has_levels()
     }
 
     /// Whether its levels may have 16 bits.
@@ -332,7 +327,7 @@ impl FormatOptions {
         if self.transparent && any(&[Aov::Color]) {
             words.push(("halfline:transparent", "true".to_owned()));
         }
-        if let Some(Dpi(dpi)) = self.dpi.filter(|_| format.takes_dpi()) {
+        if let Some(Dpi(dpi)) = self.dpi.filter(|_| format.has_levels()) {
             words.push((DPI, dpi.to_string()));
         }
         words
