@@ -185,7 +185,7 @@ pub(super) fn filled_height(
     width: u32,
     legend_shares: &dyn Fn(&SceneFrame) -> Result<[f64; 2]>,
 ) -> Result<u32> {
-    let mut trial = frame.clone();
+    let mut trial = frame.copy();
     trial.scene.resize([width, width]);
     let shares = legend_shares(&trial)?;
     let framing = point(options, &mut trial, shares)?;

@@ -132,8 +132,6 @@ impl<'a> SceneFrames<'a> {
     /// Applies the options to the scene of a frame. The first frame sets the camera of the others.
     fn prepare(&mut self, frame: &mut SceneFrame) -> Result<()> {
         let (args, image) = (self.args, self.args.size().or(self.taken.map(|record| record.size.into())));
-        // All frames that share a camera have the height of the first.
-        let image = image.or(self.open.filter(|_| self.common.camera.is_some()));
         let is_listed = args.camera.list.file.is_some();
         size(image, args, frame);
         if !is_listed {
@@ -144,6 +142,10 @@ impl<'a> SceneFrames<'a> {
                 Ok(())
             };
             self.common.see(frame, &args.read.arrangement(), &watch(), see)?;
+        }
+        // All frames that share a camera have the height of the first.
+        if let Some((width, height)) = self.open.filter(|_| self.common.camera.is_some()) {
+            frame.scene.resize([width, height]);
         }
         arrange(&args.read, frame)?;
         if is_listed {

@@ -16,6 +16,7 @@ mod rng;
 mod skip;
 
 mod broken;
+mod copies;
 mod formats;
 mod frames;
 mod identity;

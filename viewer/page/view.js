@@ -306,13 +306,12 @@ export function mount(root, transport, options = {}) {
     ruleText.textContent = length >= 1e6 ? length.toExponential() : length >= 1 ? count(length) : length;
   }
   function showRings() {
-    rings.forEach((ring, i) => {
+    const [a, b] = rings.map((ring, i) => {
       const at = picked[i] && drawn.camera && project(drawn.camera, box(), picked[i].position);
       ring.hidden = !at;
       if (at) ring.style.transform = `translate(${at[0]}px, ${at[1]}px)`;
       return at;
     });
-    const [a, b] = picked.map((p) => drawn.camera && project(drawn.camera, box(), p.position));
     span.hidden = !(a && b);
     if (span.hidden) return;
     span.style.width = `${Math.hypot(b[0] - a[0], b[1] - a[1])}px`;

@@ -146,8 +146,7 @@ impl PictureWriter<'_> {
             .into_iter()
             .chain(numbered.look.words())
             .for_each(|words| self.messages.note(number, words));
-        let is_percentile =
-            self.args.color.range.is_some_and(|ends| ends.iter().any(|end| matches!(end, RangeEnd::Percentile(_))));
+        let is_percentile = self.args.color.range.is_some_and(RangeEnd::have_percentile);
         if let Some(Legend { range: [low, high], .. }) = numbered.legend.as_ref().filter(|_| is_percentile) {
             self.messages.note(number, format!("the colours go from {low} to {high}, the percentiles of --range"));
         }

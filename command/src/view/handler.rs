@@ -309,10 +309,13 @@ impl ViewHandler {
             Mode::Part => {
                 let window = request.window.map(|[x0, y0, x1, y1]| Window { x0, y0, x1, y1 });
                 let settings = Settings { window, ..args.settings_for(picture, settings, targets)? };
-                let (pixels, report) = moving::part(renderer, &picture.scene, &settings)?;
+                let (pixels, mut report) = moving::part(renderer, &picture.scene, &settings)?;
+                report.look = picture.look.name();
                 // What is said of a part is not true of the picture.
-                let warnings = if window.is_some() { Vec::new() } else { report.warnings.clone() };
-                Ok((pixels, Report { look: picture.look.name(), warnings, ..report }))
+                if window.is_some() {
+                    report.warnings.clear();
+                }
+                Ok((pixels, report))
             }
             Mode::Still => {
                 let writer = PictureWriter {

@@ -71,6 +71,10 @@ fn all_pictures_of_a_film_have_the_height_of_the_first() {
     dir.render("film.xyz --view front --frames 1-3 --hold none --size 90xauto -o q%d.png");
     let sizes = [1, 3].map(|k| png(&dir.get(&format!("q{k}.png"))));
     assert!(sizes[0][1] < sizes[1][1], "{sizes:?}");
+    // Nothing is left of the first frame.
+    dir.render("film.xyz --view front --frames 1-2 --clip 0,-1,0,-6 --size 90xauto -o r%d.png");
+    let sizes = [1, 2].map(|k| png(&dir.get(&format!("r{k}.png"))));
+    assert!(sizes[0] == sizes[1] && sizes[0][1] != 512, "{sizes:?}");
 }
 
 #[test]

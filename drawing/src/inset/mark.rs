@@ -102,8 +102,10 @@ impl Panels {
 fn unseen(hidden: &[(&str, &Vec<u32>)], count_of_all: usize) -> Option<String> {
     let texts: Vec<&str> = hidden.iter().map(|(text, _)| *text).collect();
     let (some, all) = (texts.len(), count(count_of_all as u64, "mark"));
-    let problem = || format!("{some} of {all} name what no pixel shows ({})", list(&texts));
-    (some > 0).then(|| format!("{}: another view shows it, and {MARK_ALL} writes them anyway", problem()))
+    (some > 0).then(|| {
+        let problem = format!("{some} of {all} name what no pixel shows ({})", list(&texts));
+        format!("{problem}: another view shows it, and {MARK_ALL} writes them anyway")
+    })
 }
 
 /// The ids that the pixels of a frame show, and where spheres are translucent those of the opaque ones alone, of which `render`

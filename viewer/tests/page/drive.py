@@ -363,6 +363,14 @@ class Run:
             self.check("Esc closes it", not tab.js(is_shown(".hl-dialog")))
         self.browser.call("Browser.resetPermissions")
 
+    def downloaded(self, folder, pattern, limit):
+        """The files with these names in a folder, once there are some, and after so many seconds at the latest."""
+        end = time.monotonic() + limit
+        while not (files := list(pathlib.Path(folder).glob(pattern))) and time.monotonic() < end:
+            time.sleep(0.05)
+        time.sleep(0.2)
+        return files
+
     def saves(self):
         tab = self.tab
         with tempfile.TemporaryDirectory() as folder:
@@ -370,18 +378,12 @@ class Run:
             tab.js(STILL)
             still = bytes(tab.js(f"{VIEW}.lastStill().arrayBuffer().then((b) => [...new Uint8Array(b)])"))
             tab.key("s")
-            end = time.monotonic() + 20
-            while not (files := list(pathlib.Path(folder).glob("*.png"))) and time.monotonic() < end:
-                time.sleep(0.05)
-            time.sleep(0.2)
+            files = self.downloaded(folder, "*.png", 20)
             self.check("s saves the bytes of the still", bool(files) and files[0].read_bytes() == still, files)
             tab.js("[...document.querySelectorAll('.hl-buttons button')].find((b) => b.innerText === 'Save').click()")
             self.shot("save")
             tab.js("document.querySelectorAll('.hl-choices button')[1].click()")
-            end = time.monotonic() + 60
-            while not (files := list(pathlib.Path(folder).glob("*-2x.png"))) and time.monotonic() < end:
-                time.sleep(0.05)
-            time.sleep(0.2)
+            files = self.downloaded(folder, "*-2x.png", 60)
             size = [int.from_bytes(files[0].read_bytes()[at : at + 4], "big") for at in (16, 20)] if files else None
             self.check("twice the size is saved", size == [2 * side for side in self.size()], size)
             if self.mock:

@@ -72,7 +72,7 @@ impl Scale {
     /// Whether an end of the range is a percentile.
     #[must_use]
     pub fn has_percentile(&self) -> bool {
-        self.range.is_some_and(|ends| ends.iter().any(|end| matches!(end, RangeEnd::Percentile(_))))
+        self.range.is_some_and(RangeEnd::have_percentile)
     }
 
     /// The values at the map's ends for the finite values of all particles: those that are known, the percentiles, or the least and the
@@ -136,6 +136,14 @@ pub enum RangeEnd {
     Value(f64),
     /// The percentile of the values of all particles of the frame, from 0 to 100.
     Percentile(f64),
+}
+
+impl RangeEnd {
+    /// Whether one of two ends is a percentile.
+    #[must_use]
+    pub fn have_percentile(ends: [Self; 2]) -> bool {
+        ends.iter().any(|end| matches!(end, Self::Percentile(_)))
+    }
 }
 
 impl FromStr for RangeEnd {
