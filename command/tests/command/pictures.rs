@@ -67,14 +67,15 @@ fn pictures_of_the_documentation_are_what_their_commands_render() {
     for Picture { file, words } in pictures.iter().step_by(apart) {
         let scene = if words[0].starts_with("scenes/") { Some(in_checkout(&words[0])) } else { real(&words[0]) };
         let Some(scene) = scene else {
-            println!("{} is not there", words[0]);
+            println!("LEFT OUT: a picture of the documentation: {} is not there", words[0]);
             continue;
         };
         let dir = TestDir::new(&[]);
         let (expected, shape) = dir.array(file.to_str().expect("a name"));
         let [height, width, channels] = shape[..] else { panic!("{shape:?}") };
-        // A legend is drawn into whole pictures.
-        let is_whole = everything() || words.iter().any(|word| word.starts_with("--legend-in"));
+        // Panels and texts are drawn into whole pictures.
+        let drawn = ["--legend-in", "--label", "--scale-bar", "--mark"];
+        let is_whole = everything() || words.iter().any(|word| drawn.iter().any(|option| word.starts_with(option)));
         let [x0, y0, x1, y1] = if is_whole { [0, 0, width, height] } else { busiest(&expected, width, channels) };
         let mut arguments = vec![scene.to_str().expect("a name").to_owned()];
         arguments.extend_from_slice(&words[1..]);
