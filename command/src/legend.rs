@@ -30,6 +30,14 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     Ok(())
 }
 
+/// The note about a title without a legend, in a command whose pictures have one only where an option asks for it.
+pub(super) fn unused_title(args: &SceneArgs) -> Option<String> {
+    let is_drawn = args.insets.legend_in.is_some() || args.color.legend.is_some();
+    (args.color.has_title() && !is_drawn).then(|| {
+        format!("--legend-title is the title of a legend, and none is drawn: add {LEGEND_IN}, or {LEGEND} FILE")
+    })
+}
+
 /// Warns where a legend is requested and the colours, of this column, have no values to show.
 ///
 /// # Errors

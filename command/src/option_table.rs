@@ -78,6 +78,8 @@ pub enum Form {
     Tuples,
     /// A text each time that the option is given.
     Texts,
+    /// The name of a file each time that the option is given.
+    Files,
     /// A number or a text, or one for each selection.
     Rules,
     /// A text for each selection.
@@ -94,8 +96,8 @@ pub enum Form {
 
 use Call::{Camera, Read, Render, Renderer, Save};
 use Form::{
-    Color, Columns, Flag, Legend, Marks, Name, Names, Number, NumberOrFlag, Rules, Size, Text, TextOrFlag, Texts,
-    Tuple, Tuples,
+    Color, Columns, Files, Flag, Legend, Marks, Name, Names, Number, NumberOrFlag, Rules, Size, Text, TextOrFlag,
+    Texts, Tuple, Tuples,
 };
 use Python::{Elsewhere, Keyword, Missing, Outside};
 
@@ -108,6 +110,7 @@ const OPTIONS: &[OptionRow] = &[
     row("atom_style", Keyword(Read, "atom_style", Text, "str | None"), 0),
     row("hold", Keyword(Read, "hold", Text, "Literal[\"first\", \"none\"]"), 0),
     row("topology", Keyword(Read, "topology", Text, "Path | None"), NO_PART),
+    row("add", Keyword(Read, "add", Files, "Path | Iterable[Path]"), NO_PART),
     row("identity", Keyword(Read, "identity", Text, "str | None"), NO_PART),
     row("model", Keyword(Read, "model", Number, "int | None"), 0),
     row("altloc", Keyword(Read, "altloc", Text, "str"), 0),
@@ -120,6 +123,7 @@ const OPTIONS: &[OptionRow] = &[
     row("radii", Keyword(Read, "radii", Text, "Literal[\"vdw\", \"covalent\"]"), CONFIG),
     row("radius", Keyword(Read, "radius", Rules, "float | Mapping[str, float] | None"), 0),
     row("radius_scale", Keyword(Read, "radius_scale", Number, "float"), CONFIG),
+    row("move", Keyword(Read, "move", Rules, "Mapping[str, ArrayLike]"), 0),
     row("wrap", Keyword(Read, "wrap", Flag, "bool"), NO_PART),
     row("unwrap", Keyword(Read, "unwrap", Flag, "bool"), NO_PART),
     row("copies", Keyword(Read, "copies", Tuple, "tuple[int, int, int] | None"), NO_PART),

@@ -156,7 +156,7 @@ impl Page {
             ));
         }
         let SceneArgs { read, color, camera, .. } = &self.args;
-        let others = [&read.topology, &camera.from, &camera.list.file].into_iter().flatten().cloned();
+        let others = [&read.topology, &camera.from, &camera.list.file].into_iter().flatten().chain(&read.add).cloned();
         let inputs: Vec<_> = others.chain(color.map_file()).chain([self.args.path().to_path_buf()]).collect();
         check_inputs([path], &inputs)?;
         let settings = self.args.settings(&[]);

@@ -53,6 +53,10 @@ pub(super) struct ReadArgs {
     /// frames (xtc, trr, dcd, dump, xyz, ...) lack, by their ids where both have them.
     #[arg(long, value_name = "FILE")]
     pub(super) topology: Option<PathBuf>,
+    /// Another file of particles, in the same picture; may be repeated. The column file has the name of each particle's file without
+    /// its extension. A file with one frame is in every frame of the others.
+    #[arg(long, value_name = "FILE")]
+    pub(super) add: Vec<PathBuf>,
     /// Column that identifies particles: all frames of a film have the order of the first, whatever the order of their rows; row
     /// leaves them as they are [default: id, in dumps and extended XYZ that have it].
     #[arg(long, value_name = "COLUMN")]
@@ -89,6 +93,10 @@ pub(super) struct ReadArgs {
     #[arg(long, help_heading = LOOK, value_name = "X", default_value = "1", value_parser = positive("number"),
         allow_negative_numbers = true)]
     radius_scale: f64,
+    /// Moves the particles that EXPR selects by X,Y,Z, such as 'file model=0,0,30'; selections and colours see where the file has them.
+    /// Repeated, later ones win.
+    #[arg(id = "move", long = "move", help_heading = LOOK, value_name = "EXPR=X,Y,Z", value_parser = move_rule)]
+    moves: Vec<Rule<[f64; 3]>>,
     /// Moves every particle into the periodic cell of the file, before --copies.
     #[arg(long, help_heading = LOOK, conflicts_with = "unwrap")]
     wrap: bool,
@@ -174,6 +182,7 @@ impl ReadArgs {
             atom_style: self.atom_style.clone(),
             frames: self.frames.clone().unwrap_or_default(),
             topology: self.topology.clone(),
+            added: self.add.clone(),
             identity: self.identity.clone().unwrap_or_default(),
             model: self.model,
             altloc: self.altloc.clone(),
@@ -194,6 +203,7 @@ impl ReadArgs {
             radius: Rule::for_all(&self.radius),
             radius_scale: self.radius_scale,
             sizes: Rule::selected(&self.radius),
+            moves: Rule::selected(&self.moves),
             ..Style::default()
         };
         ReadOptions { particles, hold: self.hold, style, ..ReadOptions::default() }
@@ -246,6 +256,11 @@ impl ColorArgs {
             ..options.style
         };
         Ok(ReadOptions { style, ..options })
+    }
+
+    /// Whether the legend has a title of its own.
+    pub(super) fn has_title(&self) -> bool {
+        self.legend_title.is_some()
     }
 
     /// Whether the range is given by two numbers, so that all frames have one.
@@ -330,6 +345,12 @@ fn caption(text: &str) -> Result<String, String> {
 
 fn radius_rule(text: &str) -> Result<Rule<f64>, String> {
     Rule::parse(text, positive("number"))
+}
+
+fn move_rule(text: &str) -> Result<Rule<[f64; 3]>, String> {
+    let expected = "expected EXPR=X,Y,Z such as 'chain B=0,0,30'";
+    let rule = Rule::parse(text, |text| numbers(text).ok_or_else(|| expected.to_owned()))?;
+    rule.selection.is_some().then_some(rule).ok_or_else(|| expected.to_owned())
 }
 
 fn color_rule(text: &str) -> Result<Rule<Paint>, String> {

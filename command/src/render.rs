@@ -336,6 +336,9 @@ impl Render {
             self.args.files.check_many()?;
         }
         legend::check(&self.args)?;
+        if let Some(warning) = legend::unused_title(&self.args) {
+            note(format_args!("{warning}"));
+        }
         self.args.insets.check(self.args.image.is_part(), &self.args.files)?;
         self.args.check_outputs()?;
         self.args.files.check_formats(&targets)?;

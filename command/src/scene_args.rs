@@ -219,6 +219,7 @@ impl SceneArgs {
             .iter()
             .chain(&self.visible)
             .chain(&self.read.topology)
+            .chain(&self.read.add)
             .cloned()
             .chain(self.color.map_file())
             .collect();

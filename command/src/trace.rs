@@ -182,8 +182,13 @@ impl Trace {
             return Err(Error::settings("rays are traced in one frame", "use --frames with a single number"));
         }
         self.source.check(&self.pose)?;
-        let inputs: Vec<_> =
-            [&self.scene].into_iter().chain(&self.read.topology).chain(self.source.rays()).cloned().collect();
+        let inputs: Vec<_> = [&self.scene]
+            .into_iter()
+            .chain(&self.read.topology)
+            .chain(&self.read.add)
+            .chain(self.source.rays())
+            .cloned()
+            .collect();
         if inputs.iter().filter(|input| is_standard(input)).count() > 1 {
             let problem = "two inputs cannot both come from standard input";
             return Err(Error::settings(problem, "use a file for one of them"));

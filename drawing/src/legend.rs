@@ -41,12 +41,11 @@ pub fn draw(legend: &Legend) -> Result<Drawing> {
 #[must_use]
 pub fn warning(legend: &Legend) -> Option<String> {
     let labels = labels(legend).into_iter().flat_map(|label| missing(&plain(&label), false).collect::<Vec<_>>());
-    missing_letters(&missing(&plain(&legend.name), true).chain(labels).collect())
+    missing_letters(&missing(&plain(&legend.heading()), true).chain(labels).collect())
 }
 
 fn title(legend: &Legend, area: &Area<'_>) -> Drawn {
-    let log = if legend.log { " (logarithmic)" } else { "" };
-    text(area, &format!("{}{log}", legend.name), &bold(28), (BAR[0], 30))
+    text(area, &legend.heading(), &bold(28), (BAR[0], 30))
 }
 
 /// The labels of the first categories.
@@ -148,6 +147,7 @@ mod tests {
         let label = |n: usize| ["A", "B<&", "(blank)", &"long ".repeat(20)][n % 4].to_owned();
         let legend = |count: usize| Legend {
             name: "chain".into(),
+            title: None,
             map: ColorMap::Category,
             range: [0.0, 3.0],
             log: false,
@@ -176,6 +176,7 @@ mod tests {
     fn a_legend_names_its_ends_and_is_drawn() {
         let legend = Legend {
             name: "a<b".into(),
+            title: None,
             map: ColorMap::Viridis,
             range: [1.0, 100.0],
             log: true,
@@ -186,6 +187,7 @@ mod tests {
         let plot = draw(&legend).expect("a picture");
         let texts = texts(&plot);
         assert_eq!(texts, ["a<b (logarithmic)", "1", "10", "100"]);
+        assert_eq!(Legend { title: Some("mass / kg".into()), ..legend }.heading(), "mass / kg");
         for color in ["#440154", "#fde725"] {
             assert!(plot.svg.contains(color), "{color} in {}", plot.svg);
         }

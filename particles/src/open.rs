@@ -4,6 +4,7 @@ use super::format::{Format, Has};
 use super::frame_range::FrameRange;
 use super::opened::SceneSource;
 use super::options::ParticleOptions;
+use super::particles::added::Added;
 use super::particles::frame::{ParticleFrames, Particles};
 use super::particles::identity::{self, Ordered};
 use super::particles::joined::{Joined, NUMBERS, Topology};
@@ -11,10 +12,10 @@ use super::particles::request::{Altloc, Request};
 use super::source::Source;
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::quote::setting::{
-    ALTLOC, AS_LISTED, ASSEMBLY, AT, ATOM_STYLE, COLOR, COLUMNS, FOCUS, FORMAT, FRAMES, HIDE, MODEL, RADIUS, SELECT,
-    STREAM, TOPOLOGY,
+    ADD, ALTLOC, AS_LISTED, ASSEMBLY, AT, ATOM_STYLE, COLOR, COLUMNS, FOCUS, FORMAT, FRAMES, HIDE, MODEL, RADIUS,
+    SELECT, STREAM, TOPOLOGY,
 };
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The frames of a particle file, with the atoms of the topology and in the order of the first one; `None` for formats that
 /// contain a whole scene.
@@ -24,6 +25,7 @@ pub fn open(source: SceneSource, options: &ParticleOptions) -> Result<Result<Box
     }
     let (path, format) = (source.path.clone(), source.format);
     let file = Place::file(path.display().to_string());
+    let added = options.added.iter().map(|name| added(name, &path, options)).collect::<Result<Vec<_>>>()?;
     let topology = options.topology.as_deref().map(|name| topology(name, &path, options)).transpose()?;
     let identity = options.identifying(format);
     let mut frames = match listed(source, options.request(format), options)? {
@@ -32,6 +34,7 @@ pub fn open(source: SceneSource, options: &ParticleOptions) -> Result<Result<Box
             let problem = format!("{} files contain whole scenes and take no topology", source.format.name());
             return Err(Error::settings(problem, format!("remove {TOPOLOGY}, or read a file of particles")));
         }
+        Err(source) if !added.is_empty() => return Err(scene_of_several(source.format, &path)),
         Err(source) => return Ok(Err(source)),
     };
     if let Some(topology) = topology {
@@ -42,7 +45,42 @@ pub fn open(source: SceneSource, options: &ParticleOptions) -> Result<Result<Box
         let first = if options.frames.contains(1) { None } else { first_ids(&path, options) };
         frames = Box::new(Ordered::new(frames, file, options.identity.clone(), first));
     }
+    if !added.is_empty() {
+        let files = std::iter::once((path, frames)).chain(added).collect();
+        frames = Box::new(Added::new(files, options.periodic, options.frames.last() > 1));
+    }
     Ok(Ok(frames))
+}
+
+/// The frames of a file that is read with another one: its format is detected, and options that the format does not have are left to
+/// files that have them.
+fn added(path: &Path, first: &Path, options: &ParticleOptions) -> Result<(PathBuf, Box<dyn ParticleFrames>)> {
+    if path == Path::new("-") && (first == path || options.added.iter().filter(|name| *name == path).count() > 1) {
+        let problem = "two files cannot both come from standard input";
+        return Err(Error::settings(problem, format!("name the file of {ADD}")));
+    }
+    let plain = ParticleOptions { format: None, topology: None, added: Vec::new(), survey: None, ..options.clone() };
+    let source = SceneSource::open(path, plain.known_format(), &plain.watch)?;
+    let format = source.format;
+    let own = ParticleOptions {
+        columns_named: if format.has(Has::NamedColumns) { plain.columns_named.clone() } else { Default::default() },
+        atom_style: plain.atom_style.clone().filter(|_| format.has(Has::AtomStyles)),
+        assembly: plain.assembly.clone().filter(|_| format.has(Has::Assemblies)),
+        model: plain.model.filter(|_| format.has(Has::Models)),
+        as_listed: plain.as_listed && format.has(Has::Symmetry),
+        altloc: if format.has(Has::AlternateLocations) { plain.altloc.clone() } else { Altloc::All },
+        ..plain
+    };
+    match open(source, &own)? {
+        Ok(frames) => Ok((path.to_path_buf(), frames)),
+        Err(_) => Err(scene_of_several(format, path)),
+    }
+}
+
+/// The error for a file with a whole scene among several.
+fn scene_of_several(format: Format, path: &Path) -> Error {
+    let problem = format!("{} is a whole scene ({}), and {ADD} reads particles", path.display(), format.name());
+    Error::settings(problem, "use files of particles, or [[spheres]] tables with file = \"...\" in a scene file")
 }
 
 /// Refuses what needs all atoms of an assembly.

@@ -38,6 +38,9 @@ pub struct ParticleOptions {
     /// The particle file with the atoms of a trajectory, which gives the elements, radii, colours and columns that its frames
     /// lack: by the column of `identity` where both have it, by rows otherwise.
     pub topology: Option<PathBuf>,
+    /// Further files of particles, whose frames go in step with those of the first; the column `file` says of which each is. A file
+    /// with one frame is in all of them.
+    pub added: Vec<PathBuf>,
     /// The column that identifies particles, by which the frames of a sequence have the order of its first one.
     pub identity: Identity,
     /// The model number of a PDB or mmCIF file; `None` takes the first.
@@ -131,7 +134,10 @@ impl ParticleOptions {
     #[doc(hidden)]
     pub fn prepare(&self, particles: &mut Particles) -> Result<()> {
         let columns = self.named_columns();
-        periodic::apply(self.periodic, particles)?;
+        // The particles of several files were moved by their own cells.
+        if self.added.is_empty() {
+            periodic::apply(self.periodic, particles)?;
+        }
         particles.add_lengths(&columns)?;
         derived::add(particles, &columns)
     }

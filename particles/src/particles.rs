@@ -1,6 +1,7 @@
 //! Particles from files of simulations, molecules and scans. A reader returns them frame by frame; the style turns them
 //! into spheres.
 
+pub(super) mod added;
 pub(super) mod assembly;
 pub(super) mod atom_property;
 pub(super) mod bytes;

@@ -64,6 +64,11 @@ class ReadOptions(TypedDict, total=False):
     colours and columns that its frames (xtc, trr, dcd, dump, xyz, ...) lack, by their ids where
     both have them.
     """
+    add: Path | Iterable[Path]
+    """Another file of particles, in the same picture; may be repeated. The column file has the
+    name of each particle's file without its extension. A file with one frame is in every frame of
+    the others.
+    """
     identity: str | None
     """Column that identifies particles: all frames of a film have the order of the first,
     whatever the order of their rows; row leaves them as they are [default: id, in dumps and
@@ -100,6 +105,10 @@ class ReadOptions(TypedDict, total=False):
     """
     radius_scale: float
     """Multiplies every radius [default: 1]."""
+    move: Mapping[str, ArrayLike]
+    """Moves the particles that EXPR selects by X,Y,Z, such as 'file model=0,0,30'; selections and
+    colours see where the file has them. Repeated, later ones win.
+    """
     wrap: bool
     """Moves every particle into the periodic cell of the file, before copies."""
     unwrap: bool

@@ -31,6 +31,7 @@ __all__ = ["Particles", "frames", "read"]
 # The options of a reading that are about particles; the others are about spheres and pictures.
 _OPTIONS = frozenset(
     {
+        "add",
         "altloc",
         "as_listed",
         "assembly",

@@ -120,6 +120,14 @@ fn add(all: &mut Vec<WrittenOption>, id: &str, form: Form, name: &str, value: &B
         Form::Tuple => push(Some(parts(name, value, number_or_text)?.join(",").into())),
         Form::Color => push(Some(color(name, value)?)),
         Form::Texts => texts(name, value)?.into_iter().for_each(|word| push(Some(word.into()))),
+        Form::Files => {
+            let is_one = value.is_instance_of::<PyString>() || value.hasattr("__fspath__")?;
+            let several = || value.try_iter().map_err(|_| wrong(name, value, "a file or several"));
+            let files = if is_one { vec![value.clone()] } else { several()?.collect::<PyResult<Vec<_>>>()? };
+            for (k, file) in files.iter().enumerate() {
+                push(Some(text(&format!("{name}[{k}]"), file)?));
+            }
+        }
         Form::Tuples => {
             let rows: Vec<Bound<'_, PyAny>> = items(name, value)?;
             let is_single = rows.first().is_some_and(|first| number(name, first).is_ok());

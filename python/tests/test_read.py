@@ -366,6 +366,20 @@ def test_virtual_sites_and_elements_of_mdanalysis_are_those_of_files(tmp_path: P
     assert np.allclose(scene.cell[1], expected.cell[1], atol=1e-5)
 
 
+def test_several_files_are_one_scene(tmp_path: Path) -> None:
+    first, second = tmp_path / "first.csv", tmp_path / "second.csv"
+    first.write_text("x,y,z,radius\n0,0,0,1\n")
+    second.write_text("x,y,z,radius\n0,0,0,2\n5,0,0,3\n")
+    for added in (second, [second], [str(second)]):
+        scene = hl.read(first, add=added, move={"file second": (0, 0, 7)})
+        assert scene.radii.tolist() == [1, 2, 3]
+        assert scene.centers.tolist() == [[0, 0, 0], [0, 0, 7], [5, 0, 7]]
+    arrays = hl.particles.read(first, add=[second, second])
+    assert arrays["file"].tolist() == ["first", "second", "second", "second-2", "second-2"]
+    with pytest.raises(ValueError, match="move"):
+        hl.read(first, move={"all": (1, 2)})
+
+
 def test_frames_of_mdanalysis_have_their_times() -> None:
     mda = pytest.importorskip("MDAnalysis")
     files = pytest.importorskip("MDAnalysisTests.datafiles")

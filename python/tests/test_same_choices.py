@@ -26,6 +26,7 @@ ELSEWHERE = {
     "hold": "test_read.py compares films",
     "outline": "the earlier name of cell",
     "topology": "test_read.py reads one",
+    "add": "test_read.py reads two",
     "size": "each draw has one",
     "crop": "test_render.py has it",
     "unit": "test_render.py saves depths",
@@ -73,6 +74,11 @@ READ: dict[str, list[Choice]] = {
     "wrap": [(None, True)],
     "unwrap": [(None, True)],
     "copies": [("2,1,1", (2, 1, 1)), ("0,1,1", (0, 1, 1))],
+    "move": [
+        ("x > 0=1,2,3", {"x > 0": (1, 2, 3)}),
+        ("1,2,3", "1,2,3"),
+        ("all=1,2", {"all": (1, 2)}),
+    ],
     "clip": [("0,0,1,0.5", [(0, 0, 1, 0.5)]), ("0,0,0,1", [(0, 0, 0, 1)])],
     "cell": [(None, True), ("0.2", 0.2), ("0", 0.0)],
     "color": [
@@ -158,7 +164,17 @@ REFUSED = {
     "unwrap",
 }
 OF_MOLECULES = {"altloc", "frames", "cell", "wrap", "copies"}
-OF_PARTICLES = {"select", "hide", "color", "color_by", "opacity", "material", "radius", "radii"}
+OF_PARTICLES = {
+    "select",
+    "move",
+    "hide",
+    "color",
+    "color_by",
+    "opacity",
+    "material",
+    "radius",
+    "radii",
+}
 # Options that curved lenses refuse.
 LIT = {"look", "silhouette", "depth_cue", "sun", "shadows", "occlusion", "scale_bar"}
 # Options that need another one.

@@ -10,6 +10,9 @@ use serde::{Deserialize, Serialize};
 pub struct Legend {
     /// The coloured quantity: `speed`, or `|vx, vy, vz|`.
     pub name: String,
+    /// The words in place of the name, in the legend of a reader.
+    #[serde(default)]
+    pub title: Option<String>,
     /// The colour map.
     pub map: ColorMap,
     /// The values at the map's ends; for categories the minimum and the maximum.
@@ -32,7 +35,8 @@ impl Legend {
     #[must_use]
     pub fn of_selections(overrides: Vec<Category>) -> Self {
         let (map, range) = (ColorMap::Category, [0.0; 2]);
-        Self { name: "selection".into(), map, range, log: false, categories: Vec::new(), names: Vec::new(), overrides }
+        let name = "selection".into();
+        Self { name, title: None, map, range, log: false, categories: Vec::new(), names: Vec::new(), overrides }
     }
 
     /// A warning that the legend that an option asks for has nothing to show, in a scene without spheres, or one that is coloured by
@@ -54,6 +58,13 @@ impl Legend {
             }
         };
         Ok(format!("{option}: there is no legend, because {why}"))
+    }
+
+    /// The words above it: the title, or the name of the quantity and whether its scale is logarithmic.
+    #[must_use]
+    pub fn heading(&self) -> String {
+        let log = if self.log { " (logarithmic)" } else { "" };
+        self.title.clone().unwrap_or_else(|| format!("{}{log}", self.name))
     }
 
     /// Whether it shows numbers through a colour map; otherwise it shows categories only.
@@ -188,7 +199,16 @@ mod tests {
 
     fn legend(range: [f64; 2], log: bool) -> Legend {
         let map = ColorMap::Viridis;
-        Legend { name: "x".into(), map, range, log, categories: Vec::new(), names: Vec::new(), overrides: Vec::new() }
+        Legend {
+            name: "x".into(),
+            title: None,
+            map,
+            range,
+            log,
+            categories: Vec::new(),
+            names: Vec::new(),
+            overrides: Vec::new(),
+        }
     }
 
     #[test]

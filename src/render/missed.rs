@@ -6,7 +6,7 @@ use crate::window::Window;
 use glam::DVec3;
 use halfline_ground::parallel::{self, CHEAP};
 use halfline_ground::quote::number;
-use halfline_ground::quote::setting::{EYE, FIT, ORTHO, SIZE, VFOV};
+use halfline_ground::quote::setting::{EYE, FIT, LEAST_SIZE, ORTHO, SIZE, VFOV};
 use std::ops::Range;
 
 /// Why no ray hits a sphere, and the remedy; `None` without spheres.
@@ -46,13 +46,13 @@ fn slips_through(scene: &Scene) -> Option<String> {
     let each = parallel::blocks(0..scene.spheres.len(), CHEAP, &|ids, _| largest(ids));
     let largest = each.into_iter().fold(0.0, f64::max);
     let mend = match v.is_parallel() {
-        true => format!("a smaller {ORTHO}"),
-        false => format!("a nearer {EYE}, a smaller {VFOV}"),
+        true => format!("a smaller {ORTHO},"),
+        false => format!("a nearer {EYE}, a smaller {VFOV},"),
     };
     (largest > 0.0 && largest < std::f64::consts::SQRT_2).then(|| {
         format!(
             "the largest sphere in view is {} pixels across and lies between the rays: \
-             {mend} or a larger {SIZE} shows it",
+             {mend} a larger {SIZE} or {LEAST_SIZE} 3 shows it",
             number(largest, 2)
         )
     })

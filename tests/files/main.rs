@@ -15,6 +15,7 @@ mod rng;
 #[path = "../common/skip.rs"]
 mod skip;
 
+mod added;
 mod broken;
 mod copies;
 mod formats;

@@ -20,11 +20,11 @@ use std::sync::Arc;
 const SCHEMA: u32 = 1;
 
 /// The columns that say what an atom is, by the words of selections: some kilobytes for a molecule.
-const USUAL: [&str; 5] = ["chain", "resname", "resid", "name", "element"];
+const USUAL: [&str; 6] = ["file", "chain", "resname", "resid", "name", "element"];
 
 /// The options whose values name columns.
-const NAMING: [&str; 10] =
-    ["color_by", "mark", "mark_one", "select", "hide", "color", "opacity", "radius", "material", "focus"];
+const NAMING: [&str; 11] =
+    ["color_by", "mark", "mark_one", "select", "hide", "color", "opacity", "radius", "material", "focus", "move"];
 
 /// Scenes in memory that a page shows, with the options of every picture.
 #[derive(Debug, Clone)]
@@ -428,6 +428,7 @@ mod tests {
         let category = Category { label: "A".into(), color: [1, 2, 3], count: 9 };
         let legend = Legend {
             name: "chain".into(),
+            title: None,
             map: ColorMap::Category,
             range: [0.0, f64::NAN],
             log: false,

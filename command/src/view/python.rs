@@ -80,7 +80,7 @@ fn value(form: Form, values: &[String]) -> String {
         Form::Text | Form::Name | Form::Columns | Form::Names | Form::TextOrFlag | Form::Legend => text(last),
         Form::Tuple | Form::Size => tuple(last),
         Form::Tuples => several(tuple),
-        Form::Texts => several(text),
+        Form::Texts | Form::Files => several(text),
         Form::Color => literal(last),
         Form::Rules | Form::Marks => match values {
             [one] if !one.contains('=') => literal(one),

@@ -53,12 +53,13 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),
 ];
-const OF_PARTICLES: [(&str, &[&str]); 26] = [
+const OF_PARTICLES: [(&str, &[&str]); 27] = [
     ("--select", &["x > 0", "element O"]),
     ("--hide", &["element H"]),
     ("--radii", &["vdw", "covalent"]),
     ("--radius", &["0.4", "element O=0.9"]),
     ("--radius-scale", &["0.5"]),
+    ("--move", &["element O=0.5,0,-1", "x > 0=1,2,3"]),
     ("--wrap", &[""]),
     ("--copies", &["2,1,1"]),
     ("--clip", &["1,0,0,0.5"]),
@@ -91,6 +92,7 @@ const OTHERS: [(&str, &[&str]); 5] = [
             "--columns",
             "--atom-style",
             "--topology",
+            "--add",
             "--identity",
             "--model",
             "--altloc",

@@ -108,9 +108,8 @@ impl Page {
     /// each category and each selection with a colour of its own.
     pub(super) fn legend(&self, legend: &Legend) -> Result<(Pixmap, [String; 2])> {
         let (size, margin) = (self.size, self.margin);
-        let log = if legend.log { " (logarithmic)" } else { "" };
         let widest = 0.4 * self.width;
-        let title = self.fitting(&plain(&format!("{}{log}", legend.name)), true, widest);
+        let title = self.fitting(&plain(&legend.heading()), true, widest);
         let below = (size + margin).round();
         // From the top of a row to that of the next.
         let row = (1.5 * size).round();

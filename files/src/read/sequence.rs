@@ -240,7 +240,8 @@ impl Sequence {
 
     /// The scenes of an opened source.
     pub(super) fn of_source(source: SceneSource, path: &Path, options: &ReadOptions) -> Result<Self> {
-        let mut files: Vec<PathBuf> = options.particles.topology.iter().cloned().collect();
+        let mut files: Vec<PathBuf> =
+            options.particles.topology.iter().chain(&options.particles.added).cloned().collect();
         let format = source.format;
         let reading = options.reading();
         let state = match open(source, &reading)? {

@@ -9,7 +9,9 @@ use super::style::{Coloring, joined_categories};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
 use halfline::quote::count;
-use halfline::quote::setting::{COLOR, COLOR_BY, FRAMES, MAP, MATERIAL, RADIUS, RANGE, STREAM, TOPOLOGY, UNWRAP, WRAP};
+use halfline::quote::setting::{
+    ADD, COLOR, COLOR_BY, FRAMES, MAP, MATERIAL, RADIUS, RANGE, STREAM, TOPOLOGY, UNWRAP, WRAP,
+};
 use halfline::scene::{DEFAULT_COLOR, Scene, Spheres};
 use halfline_particles::derived;
 use halfline_particles::input::read_once;
@@ -385,6 +387,8 @@ fn check(options: &ReadOptions) -> Result<()> {
         (format!("{WRAP} and {UNWRAP} need all particles in memory"), "remove them".to_owned())
     } else if options.particles.topology.is_some() {
         (format!("{TOPOLOGY} needs all particles in memory"), format!("remove it, or {STREAM}"))
+    } else if !options.particles.added.is_empty() {
+        (format!("{ADD} needs all particles in memory"), format!("remove it, or {STREAM}"))
     } else if options.style.has_materials() {
         (
             "materials are seen under lights, which need all particles in memory".to_owned(),

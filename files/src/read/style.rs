@@ -54,6 +54,8 @@ pub struct Style {
     pub material: Option<Material>,
     /// Materials of selected particles; later ones win.
     pub matters: Vec<(Selection, Material)>,
+    /// Distances that selected particles are moved by, after their colours are chosen; later ones win.
+    pub moves: Vec<(Selection, [f64; 3])>,
     /// The title of the legend in place of the name of what is coloured.
     pub legend_title: Option<String>,
 }
@@ -73,6 +75,7 @@ impl Default for Style {
             fades: Vec::new(),
             material: None,
             matters: Vec::new(),
+            moves: Vec::new(),
             legend_title: None,
         }
     }
@@ -135,7 +138,7 @@ impl Style {
         fn of<T>(rules: &[(Selection, T)]) -> Vec<&Selection> {
             rules.iter().map(|(selection, _)| selection).collect()
         }
-        [of(&self.paints), of(&self.sizes), of(&self.fades), of(&self.matters)]
+        [of(&self.paints), of(&self.sizes), of(&self.fades), of(&self.matters), of(&self.moves)]
     }
 
     /// The selections of all its rules.
@@ -210,6 +213,7 @@ impl Style {
         let (mut colors, legend) = self.colors(&mut particles, &mut skipped)?;
         let mut radii = self.radii_of(&particles, spaced, &mut skipped);
         self.apply_rules(&particles, &mut colors, &mut radii)?;
+        self.shift(&mut particles);
         let opacities = self.opacities(&particles).map(Into::into);
         let materials = self.materials(&particles);
         let are_checked = particles.checked && self.keeps_radii(&particles);
@@ -219,7 +223,7 @@ impl Style {
         let count = if are_checked { 0 } else { spheres.len() };
         let invalid = parallel::blocks(0..count, CHEAP, &|_, mut spheres| spheres.find(is_invalid));
         if let Some(n) = invalid.into_iter().flatten().next() {
-            let place = || file.clone().named(format!("particle {}", particles.index(n)));
+            let place = || particles.place(n, file);
             check_sphere(spheres.centers[n], spheres.radii[n], place)?;
         }
         Ok((spheres, skipped, legend))
@@ -273,6 +277,21 @@ impl Style {
             });
         }
         Ok(())
+    }
+
+    /// Moves the particles that a rule moves.
+    fn shift(&self, particles: &mut Particles) {
+        if !particles.has_rules(RuleTarget::Place) {
+            return;
+        }
+        let mut positions = std::mem::take(&mut particles.positions);
+        parallel::each(&mut positions, |n, position| {
+            if let Some(rule) = particles.rule(RuleTarget::Place, n) {
+                position.iter_mut().zip(self.moves[rule].1).for_each(|(x, by)| *x += by);
+            }
+        });
+        particles.positions = positions;
+        particles.checked = false;
     }
 
     /// The opacities, where the style has any, so that all parts of a file have them or none.
@@ -331,8 +350,7 @@ impl Style {
 
     /// The legend with the title of the style, if that has one.
     pub(super) fn titled(&self, legend: Option<Legend>) -> Option<Legend> {
-        let name = |legend: &Legend| self.legend_title.as_ref().unwrap_or(&legend.name).clone();
-        legend.map(|legend| Legend { name: name(&legend), ..legend })
+        legend.map(|legend| Legend { title: self.legend_title.clone(), ..legend })
     }
 
     /// The radii without those of rules. Nothing is said about particles that a rule gives their radius.
@@ -345,7 +363,10 @@ impl Style {
             parallel::count(n, |n| particles.rule(RuleTarget::Radius, n).is_none() && lacks(n))
         };
         if !particles.radii.is_empty() {
-            let missing = count(&|n| particles.radii[n].is_nan());
+            // Of several files, one of molecules has no radii, as expected.
+            let has_element = |n: usize| particles.elements.get(n).is_some_and(|number| *number != 0);
+            let is_expected = |n: usize| !particles.files.is_empty() && has_element(n);
+            let missing = count(&|n| particles.radii[n].is_nan() && !is_expected(n));
             if missing > 0 {
                 skipped.assumed.push(format!(
                     "{missing} of {n} particles have no radius in the file, so the radius of their element is used, or {UNKNOWN_RADIUS}"
@@ -389,7 +410,16 @@ impl Style {
         };
         let colors = match &self.coloring {
             Coloring::One(color) => Some(vec![*color; particles.positions.len()]),
-            Coloring::File if !particles.colors.is_empty() => Some(std::mem::take(&mut particles.colors)),
+            Coloring::File if !particles.colors.is_empty() => {
+                let mut colors = std::mem::take(&mut particles.colors);
+                // Of several files, one that has no colours.
+                if colors.iter().any(|color| color[0].is_nan()) {
+                    let known = |n: usize| particles.elements.get(n).filter(|number| **number != 0);
+                    let own = |n: usize| known(n).map_or(DEFAULT_COLOR, |number| color_of_element(*number));
+                    parallel::each(&mut colors, |n, color| *color = if color[0].is_nan() { own(n) } else { *color });
+                }
+                Some(colors)
+            }
             Coloring::File => {
                 let legend = || categories::elements(&particles.elements, particles.rule_numbers(RuleTarget::Color));
                 return Ok(elements().map_or((None, None), |colors| (Some(colors), Some(legend()))));

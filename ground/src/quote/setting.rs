@@ -14,13 +14,13 @@ macro_rules! settings {
 }
 
 settings! {
-    ACCURACY "accuracy", ADAPTER "adapter", ALTLOC "altloc", ANY "any", AOV "aov", APERTURE "aperture",
+    ACCURACY "accuracy", ADAPTER "adapter", ADD "add", ALTLOC "altloc", ANY "any", AOV "aov", APERTURE "aperture",
     AS_LISTED "as_listed", ASSEMBLY "assembly", AT "at", ATOM_STYLE "atom_style", BACKEND "backend", BOUNCES "bounces", COLOR "color",
     COLOR_BY "color_by", COLUMNS "columns", CLIP "clip", CROP "crop", CRYPTOMATTE "cryptomatte", DEPTH_CUE_STRENGTH "depth_cue_strength", EYE "eye", FIT "fit",
     FOCUS "focus",
     FIRST_ID "first_id", FORMAT "format", FRAMES "frames", GHOST_RIM "ghost_rim", HIDE "hide", HOLD "hold", IDENTITY "identity", INTRINSICS "intrinsics", LABEL "label",
     LAYERS "layers", LEAST_SIZE "least_size", LEGEND "legend", LEGEND_IN "legend_in", LENS "lens", LENS_COEFFICIENTS "lens_coefficients", LOG "log", LOOK "look", MAP "map", MARK "mark", MARK_ALL "mark_all", MARK_ONE "mark_one", MATERIAL "material",
-    METHOD "method", METHODS "methods", MODEL "model", NAN_COLOR "nan_color", OCCLUSION "occlusion", OPACITY "opacity",
+    METHOD "method", METHODS "methods", MODEL "model", MOVE "move", NAN_COLOR "nan_color", OCCLUSION "occlusion", OPACITY "opacity",
     OPACITY_SHADOWS "opacity_shadows", ORTHO "ortho", OUTLINE_COLOR "outline_color",
     OUTLINE_WIDTH "outline_width", PATIENCE "patience",
     RADIUS "radius", RANGE "range", REACH "reach", SAMPLES "samples", SCALE_BAR "scale_bar", SEARCH "search", SELECT "select",

@@ -15,10 +15,11 @@ use crate::select::Note;
 use crate::skipped::Skipped;
 use halfline_ground::Cell;
 use halfline_ground::check::keep;
-use halfline_ground::error::{Error, Result};
+use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::{check, entries, extend_to};
 use halfline_ground::quote::setting::STREAM;
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 /// A property of spheres that the style's rules give to selected particles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -27,11 +28,12 @@ pub enum RuleTarget {
     Radius,
     Opacity,
     Material,
+    Place,
 }
 
 impl RuleTarget {
     /// The number of properties.
-    pub const COUNT: usize = 4;
+    pub const COUNT: usize = 5;
 }
 
 /// One frame of particles, as the file has them.
@@ -58,6 +60,9 @@ pub struct Particles {
     /// The number of particles before them, in the parts of the file that were passed on.
     #[doc(hidden)]
     pub before: u64,
+    /// The files that the particles are of, each with the index of its first particle; empty for one file.
+    #[doc(hidden)]
+    pub files: Vec<(PathBuf, u64)>,
     /// The names of all columns of the file, for messages.
     pub has: Vec<String>,
     /// The columns whose names have capitals in the file, by the names in lower case.
@@ -400,6 +405,17 @@ impl Particles {
     #[doc(hidden)]
     pub fn index(&self, n: usize) -> u64 {
         self.before + self.places.get(n).map_or(n as u64, |place| u64::from(*place))
+    }
+
+    /// The place of particle `n` for errors; `file` is that of the only file.
+    #[doc(hidden)]
+    pub fn place(&self, n: usize, file: &Place) -> Place {
+        let index = self.index(n);
+        let (file, first) = match self.files.iter().rev().find(|(_, first)| *first <= index) {
+            Some((path, first)) => (Place::file(path.display().to_string()), *first),
+            None => (file.clone(), 0),
+        };
+        file.named(format!("particle {}", index - first))
     }
 
     /// Keeps the particles whose flag is set.

@@ -2,8 +2,11 @@
 
 use super::frame::{Column, Particles};
 
+/// The column of names that says of which of several files a particle is.
+pub(crate) const FILE: &str = "file";
+
 /// The columns that distinguish residues, as far as a file has them.
-pub(crate) const COLUMNS: [&str; 7] = ["residue", "resid", "resnum", "icode", "resname", "chain", "segid"];
+pub(crate) const COLUMNS: [&str; 8] = [FILE, "residue", "resid", "resnum", "icode", "resname", "chain", "segid"];
 
 /// The number of each particle's residue in the file's order, from 0; `None` where the file has none of [`COLUMNS`].
 pub(crate) fn numbers(particles: &Particles) -> Option<Vec<u32>> {

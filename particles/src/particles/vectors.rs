@@ -10,9 +10,12 @@ const WORDS: [&str; 4] = [VELOCITY, "velo", "vel", "velocities"];
 /// Its components in most formats.
 const COMPONENTS: [&str; 3] = ["vx", "vy", "vz"];
 
+/// Another word for its length, which is no name of a vector.
+const SPEED: &str = "speed";
+
 /// Whether a word means the length of the velocity.
 fn is_velocity(name: &str) -> bool {
-    WORDS.iter().any(|word| word.eq_ignore_ascii_case(name))
+    WORDS.iter().chain([&SPEED]).any(|word| word.eq_ignore_ascii_case(name))
 }
 
 /// Adds the columns whose length each of the requested ones may be.

@@ -37,7 +37,16 @@ pub(super) fn elements(elements: &[u8], paint: &[u16]) -> Legend {
     };
     let categories = there.map(category).collect();
     let (map, range) = (ColorMap::Category, [1.0, 118.0]);
-    Legend { name: "element".into(), map, range, log: false, categories, names: Vec::new(), overrides: Vec::new() }
+    Legend {
+        name: "element".into(),
+        title: None,
+        map,
+        range,
+        log: false,
+        categories,
+        names: Vec::new(),
+        overrides: Vec::new(),
+    }
 }
 
 /// Whether a rule gives particle `n` a colour of its own.
@@ -107,6 +116,7 @@ fn colored(
     let ends = |n: Option<&i64>| n.map_or(0.0, |n| *n as f64);
     let legend = Legend {
         name: name.to_owned(),
+        title: None,
         map: categories.map.clone(),
         range: [ends(counts.known.keys().next()), ends(counts.known.keys().next_back())],
         log: false,

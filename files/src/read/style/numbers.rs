@@ -98,6 +98,7 @@ impl Scale {
         let shown = if without > 0 { shown.count() } else { 0 };
         let legend = Legend {
             name,
+            title: None,
             map: map.clone(),
             range: [low, high],
             log: self.log,

@@ -3,7 +3,7 @@
 use super::{Coloring, Style};
 use halfline::error::{Error, Place, Result};
 use halfline::frame::legend::Legend;
-use halfline::quote::setting::{MATERIAL, OPACITY, RADIUS, STREAM};
+use halfline::quote::setting::{MATERIAL, MOVE, OPACITY, RADIUS, STREAM};
 use halfline::scene::Spheres;
 use halfline::scene::instances::Instances;
 use halfline_particles::Skipped;
@@ -74,6 +74,8 @@ impl Style {
             ("materials need all copies in memory", format!("remove {MATERIAL}, or {STREAM}"))
         } else if self.opacity.is_some() || !self.fades.is_empty() {
             ("opacities need all copies in memory", format!("remove {OPACITY}, or {STREAM}"))
+        } else if !self.moves.is_empty() {
+            ("moved particles need all copies in memory", format!("remove {MOVE}, or {STREAM}"))
         } else {
             return Ok(());
         };
