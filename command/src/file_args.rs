@@ -199,6 +199,11 @@ impl FileArgs {
         Ok(self.model().into_iter().chain(self.named()?.into_iter().map(|(_, path)| path)).collect())
     }
 
+    /// Whether the name of the picture has a place for the number of a frame.
+    pub(super) fn is_numbered(&self) -> bool {
+        self.output.as_deref().is_some_and(|path| numbered(path, 1) != path)
+    }
+
     /// Returns an error for names that several pictures would share.
     pub(super) fn check_many(&self) -> Result<()> {
         let film = self.film().map(|film| film.path);

@@ -6,6 +6,7 @@ use clap::{ArgGroup, Args};
 use halfline::error::{Error, Result};
 use halfline::frame::legend::Legend;
 use halfline::frame::{Aov, Frame};
+use halfline::quote::list;
 use halfline::render::Renderer;
 use halfline::settings::Settings;
 use halfline_drawing::inset::{Corner, Insets, Label, LabelValues, Panels, ScaleBar, Thing};
@@ -149,14 +150,23 @@ impl InsetArgs {
         panels.add_marks(&picture.scene, &things, frame.ids(), self.mark_all, |scene| renderer.render(scene, &settings))
     }
 
-    /// Sentences on the limits of the panels: a scale bar that holds at one distance only, a legend that may cover
-    /// spheres.
-    pub(super) fn words(&self, picture: &PictureScene) -> impl Iterator<Item = String> {
+    /// A sentence on a scale bar that holds at one distance only.
+    pub(super) fn words(&self, picture: &PictureScene) -> Option<&'static str> {
         let is_vague = self.scale_bar.is_some() && !picture.scene.camera.lens.is_orthographic();
-        let vague = "the scale bar holds at the distance of the scene's middle; with --ortho everywhere";
-        let covers = self.legend_in.is_some() && picture.legend.is_some() && picture.framed.is_none();
-        let covering = "the camera is given, so the legend may cover spheres";
-        [(is_vague, vague), (covers, covering)].into_iter().filter(|(is, _)| *is).map(|(_, words)| words.to_owned())
+        is_vague.then_some("the scale bar holds at the distance of the scene's middle; with --ortho everywhere")
+    }
+
+    /// A warning about spheres of a whole frame that panels cover.
+    pub(super) fn covering(&self, panels: &Panels, frame: &Frame) -> Option<String> {
+        let given = [
+            (self.legend_in.is_some(), "--legend-in"),
+            (self.label.is_some(), "--label"),
+            (self.scale_bar.is_some(), "--scale-bar"),
+        ];
+        let names = list(given.into_iter().filter(|(is_given, _)| *is_given).map(|(_, name)| name));
+        panels.cover_spheres(frame.ids(), frame.width).then(|| {
+            format!("spheres lie under the panels of {names}; a smaller --zoom, or another corner for the legend, leaves them free")
+        })
     }
 }
 

@@ -7,8 +7,8 @@ use super::scene_args::SceneArgs;
 use halfline::error::Result;
 use halfline::frame::legend::{Category, Legend};
 use halfline::frame::srgb;
-use halfline::quote::list;
 use halfline::quote::setting::{HIDE, LEGEND, LEGEND_IN, OPACITY, VIEW};
+use halfline::quote::{count, list};
 use halfline_files::read::Hold;
 use halfline_files::write::figure;
 use halfline_files::write::file::check_writable;
@@ -59,6 +59,8 @@ const FEW: u64 = 1000;
 /// a colour are not told apart.
 pub(super) fn hidden(args: &SceneArgs, picture: &PictureScene, ids: &[i32]) -> Option<String> {
     let is_drawn = args.insets.legend_in.is_some() || args.color.legend.is_some();
+    // What lies behind translucent spheres is seen through them, and has no id.
+    let is_drawn = is_drawn && !picture.scene.spheres.is_translucent();
     let legend = picture.legend.as_ref().filter(|_| is_drawn && picture.ids.is_none() && !args.image.is_part())?;
     let colors = picture.scene.spheres.colors.as_ref().filter(|_| !legend.is_scale())?;
     let mut pixels = vec![0_u64; colors.len()];
@@ -73,7 +75,7 @@ pub(super) fn hidden(args: &SceneArgs, picture: &PictureScene, ids: &[i32]) -> O
     let is_alone = |row: &&Category| legend.swatches().filter(|other| other.color == row.color).count() == 1;
     // Rows of opacities have no colour of a sphere.
     let pixels_of = |row: &Category| shown.get(&row.color).filter(|pixels| **pixels * FEW < all);
-    let few = |row: &Category| Some(format!("{}: {}", row.label, pixels_of(row)?));
+    let few = |row: &Category| Some(format!("{}: {}", row.label, count(*pixels_of(row)?, "pixel")));
     let hidden: Vec<String> = legend.swatches().filter(is_alone).filter_map(few).collect();
     (!hidden.is_empty()).then(|| {
         format!(

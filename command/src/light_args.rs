@@ -201,8 +201,8 @@ impl PictureLook {
         let sky = if self.has_own_sky { format!("{longer} than {sky}") } else { sky };
         let shadows = if self.shadows { "with" } else { "without" };
         let light = match look {
-            Look::Soft => format!(", and a light from above left {shadows} shadows if the scene has no light"),
-            _ => String::new(),
+            Look::Figure if !self.shadows => String::new(),
+            _ => format!(", and a light from above left {shadows} shadows if the scene has no light"),
         };
         let stands_for = format!("--silhouette --samples {samples}, {sky}{light}");
         let default = if is_default { " (the default for particles; see --look plain)" } else { "" };

@@ -175,6 +175,11 @@ impl ReadArgs {
         if self.outline.is_some() {
             note(format_args!("--outline is now called --cell; the outlines of spheres are drawn by --silhouette"));
         }
+        self.quiet_options()
+    }
+
+    /// The same without a word about names.
+    pub(super) fn quiet_options(&self) -> ReadOptions {
         let particles = ParticleOptions {
             strict: self.strict,
             format: self.format,

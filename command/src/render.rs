@@ -226,8 +226,13 @@ impl Render {
     /// # Errors
     /// Errors of `--frames`.
     fn take_all_frames(&mut self) -> Result<()> {
-        let Some(film) = self.args.files.film().filter(|_| !self.args.is_many() && self.args.read.frames.is_none())
-        else {
+        if self.args.is_many() || self.args.read.frames.is_some() {
+            return Ok(());
+        }
+        let Some(film) = self.args.files.film() else {
+            if let (true, Some(frames @ 2..)) = (self.args.files.is_numbered(), self.args.frames_of_file()) {
+                note(format_args!("the first of {frames} frames is rendered; --frames 1- renders all"));
+            }
             return Ok(());
         };
         let all = match self.args.frames_of_file() {

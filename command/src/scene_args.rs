@@ -177,7 +177,7 @@ impl SceneArgs {
     /// The number of frames of the file; `None` where they cannot be counted.
     pub(super) fn frames_of_file(&self) -> Option<u64> {
         let path = self.scene.as_deref().filter(|path| read_once(path).is_none())?;
-        let mut sequence = Sequence::open(path, &self.read.options()).ok()?;
+        let mut sequence = Sequence::open(path, &self.read.quiet_options()).ok()?;
         while sequence.pass().ok()? {}
         Some(sequence.passed())
     }

@@ -194,6 +194,18 @@ impl Panels {
         missing_letters(&self.unknown)
     }
 
+    /// Whether panels cover pixels of spheres of a whole frame, by the `ids` of its pixels. Marks are added after that.
+    #[must_use]
+    pub fn cover_spheres(&self, ids: &[i32], width: u32) -> bool {
+        let width = width as usize;
+        self.panels.iter().any(|Panel { at: [left, top], pixels }| {
+            let [wide, high] = [pixels.width(), pixels.height()].map(|side| side as usize);
+            let (first, end) = ((*left).min(width), (left + wide).min(width));
+            let mut rows = ids.chunks(width.max(1)).skip(*top).take(high);
+            rows.any(|row| row.get(first..end).is_some_and(|ids| ids.iter().any(|id| *id >= 0)))
+        })
+    }
+
     /// Draws the panels on the colour of a whole frame, and in its alpha if the background is transparent; returns what they cover.
     pub fn draw(&self, frame: &mut Frame, transparent: bool) -> Covered {
         let mut covered = Vec::new();

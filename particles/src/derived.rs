@@ -6,8 +6,10 @@ use super::near::counts;
 use super::particles::frame::{Column, Particles};
 use super::particles::periodic::images::Images;
 use super::particles::residues;
+use glam::DVec3;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::memory::check;
+use halfline_ground::parallel;
 use halfline_ground::quote::quote;
 use halfline_ground::quote::setting::STREAM;
 use std::f64::consts::PI;
@@ -21,12 +23,15 @@ enum Derived {
     Density(f64),
     /// The place of the particle's residue in its chain.
     Spectrum,
+    /// The distance from the mean of all positions.
+    Distance,
 }
 
 /// The words of those with a distance, which follows a colon.
 const COORDINATION: &str = "coordination";
 const DENSITY: &str = "density";
 const SPECTRUM: &str = "spectrum";
+const DISTANCE: &str = "distance";
 
 /// The most images of particles and cells that a distance reaches, which are looked at one by one: some ten seconds.
 const MOST_IMAGES: u64 = 1 << 30;
@@ -41,6 +46,7 @@ impl Derived {
         let (word, distance) = name.split_once(':').map_or((&name[..], None), |(word, text)| (word, Some(text)));
         let column = match word {
             SPECTRUM if distance.is_none() => return Ok(Some(Self::Spectrum)),
+            DISTANCE if distance.is_none() => return Ok(Some(Self::Distance)),
             COORDINATION => Self::Coordination,
             DENSITY => Self::Density,
             _ => return Ok(None),
@@ -63,8 +69,23 @@ impl Derived {
                 neighbors(particles, reach)?.into_iter().map(|count| (count + 1) as f64 / volume).collect()
             }
             Self::Spectrum => spectrum::places(particles)?,
+            Self::Distance => distances(particles)?,
         })
     }
+}
+
+/// The distance of each particle from the mean of all positions.
+fn distances(particles: &Particles) -> Result<Vec<f64>> {
+    if !particles.placed.is_empty() {
+        let problem = "distances from the middle need all copies of an assembly in memory";
+        return Err(Error::settings(problem, "remove the column, or use an assembly that fits into memory"));
+    }
+    let positions = &particles.positions;
+    let Some(first) = positions.first().copied().map(DVec3::from_array) else { return Ok(Vec::new()) };
+    // Sums of differences, which keep their digits far from the origin.
+    let away = |position: &[f64; 3]| DVec3::from_array(*position) - first;
+    let middle = positions.iter().map(away).sum::<DVec3>() / positions.len() as f64;
+    Ok(parallel::map(positions, |position| (away(position) - middle).length()))
 }
 
 /// The number of other particles within a distance of each.

@@ -57,6 +57,7 @@ class Scene:
             column ``value`` of `Scene.columns`, and of the legend.
         map: The colour map of the values, as for `read`: a name, colours, or a map of matplotlib.
         range: The values at the ends of the map; ``"1%"`` and the like are percentiles.
+        legend_title: The title of the legend in place of ``value``.
         background: Colour of rays that hit nothing: linear RGB, a CSS name, or ``"#rrggbb"``.
 
     Raises:
@@ -87,6 +88,7 @@ class Scene:
         values: ArrayLike | None = None,
         map: Any = None,
         range: tuple[float | str, float | str] | None = None,
+        legend_title: str | None = None,
         background: Color = (0.0, 0.0, 0.0),
     ) -> None:
         points = array("centers", centers, np.float64, "(n, 3)")
@@ -97,12 +99,12 @@ class Scene:
                 raise ValueError("values give the colors; give no colors and no opacities")
             given = array("values", values, np.float64, "(n,)")
             columns = {"positions": points, "radius": sizes, "value": given}
-            scene = _colored(columns, count, map, range)
+            scene = _colored(columns, count, map, range, legend_title)
             self._native = scene.as_arrays(checked_color("background", background))
             self._source: Source | None = None
             return
-        if map is not None or range is not None:
-            raise ValueError("map and range are of values; give values, or neither")
+        if map is not None or range is not None or legend_title is not None:
+            raise ValueError("map, range and legend_title are of values; give values, or none of them")
         rows = None if colors is None else _rows(colors, count)
         shares = None
         alpha = _alpha(colors)
@@ -432,7 +434,7 @@ def _linear() -> NDArray[np.float32]:
 
 
 def _colored(
-    columns: Mapping[str, NDArray[Any]], count: int, map: Any, range: Any
+    columns: Mapping[str, NDArray[Any]], count: int, map: Any, range: Any, title: str | None
 ) -> _halfline.Scene:
     """The spheres of columns of arrays, coloured by the column ``value``."""
     for name, values in columns.items():
@@ -445,6 +447,8 @@ def _colored(
         options["map"] = map
     if range is not None:
         options["range"] = range
+    if title is not None:
+        options["legend_title"] = title
     return read(columns, keep=True, **options)._native
 
 

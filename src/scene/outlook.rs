@@ -6,7 +6,7 @@ use super::{Facing, Framing, ImagePlane, Spheres, Spread};
 use glam::DVec3;
 use halfline_ground::error::Result;
 use halfline_ground::parallel::{self, CHEAP};
-use halfline_ground::quote::setting::{CLIP, FOCUS, HIDE, VIEW};
+use halfline_ground::quote::setting::{CLIP, FOCUS, HIDE, OPACITY, VIEW};
 use std::collections::HashSet;
 
 /// A camera that shows some spheres of a scene.
@@ -30,8 +30,8 @@ impl Outlook {
         let percent = (100.0 * self.visible_share).round();
         (self.visible_share < HIDDEN).then(|| {
             format!(
-                "{percent} % of {FOCUS} is seen, the rest is behind other spheres; {HIDE} or {CLIP} removes these, {VIEW} auto \
-                 looks from where least is hidden"
+                "{percent} % of {FOCUS} is seen, the rest is behind other spheres; {HIDE} or {CLIP} removes these, {OPACITY} \
+                 shows through them, {VIEW} auto looks from where least is hidden"
             )
         })
     }

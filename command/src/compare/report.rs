@@ -128,7 +128,11 @@ fn summary(pair: &BufferPair<'_>, found: &Difference) -> String {
     let types = if this == that { this.to_owned() } else { format!("{this} against {that}") };
     let form = format!("{} of {types}", sides(pair.a.shape()));
     let Some(at) = found.at else { return format!("equal: {form}, every value is the same") };
-    let verdict = if found.is_within() { "equal" } else { "different" };
+    let verdict = match found.is_within() {
+        true if found.beyond > 0 => "within the share",
+        true => "equal",
+        false => "different",
+    };
     let (count, how) = if found.beyond == 0 { (found.differing, "differ, none") } else { (found.beyond, "differ") };
     let allowed = match found.share > 0.0 {
         true => format!(", and {} % may", 100.0 * found.share),

@@ -2,6 +2,7 @@
 
 use halfline::quote::count;
 use halfline_measure::record::{Errors, PlaceRecord, Record, Run, SceneRecord};
+use halfline_measure::total::spread;
 use std::fmt::Write as _;
 
 /// The record as text.
@@ -33,7 +34,7 @@ fn one(record: &Record, scene: &SceneRecord) -> String {
     for run in &record.runs {
         let place = record.places.get(run.place).map_or("", |place| &place.backend).to_owned();
         let ms = |x: Option<f64>| x.map_or("-".into(), |x| format!("{x:.1}"));
-        let steady = median(&run.steady_ms);
+        let steady = spread(&run.steady_ms).map(|[_, median, _]| median);
         let rays = run.errors.pixels.max(1) as f64;
         rows.push(match &run.refused {
             Some(_) => [run.method.as_str(), &place, "refused", "-", "-", "-", "-", "-", "-", "-"].map(String::from),
@@ -163,11 +164,4 @@ fn aligned<const N: usize>(rows: &[[String; N]]) -> String {
         row.iter().enumerate().map(cell).collect::<Vec<_>>().join("  ").trim_end().to_owned() + "\n"
     };
     rows.iter().map(line).collect()
-}
-
-/// The median; of an even number the lower of the two.
-fn median(samples: &[f64]) -> Option<f64> {
-    let mut sorted = samples.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len().checked_sub(1)? / 2).copied()
 }

@@ -148,6 +148,7 @@ impl PictureWriter<'_> {
             .for_each(|words| self.messages.note(number, words));
         let is_percentile = self.args.color.range.is_some_and(RangeEnd::have_percentile);
         if let Some(Legend { range: [low, high], .. }) = numbered.legend.as_ref().filter(|_| is_percentile) {
+            let [low, high] = [low, high].map(|end| halfline::quote::number(*end, 6));
             self.messages.note(number, format!("the colours go from {low} to {high}, the percentiles of --range"));
         }
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
@@ -156,7 +157,9 @@ impl PictureWriter<'_> {
         frame.report.warnings.iter().for_each(|warning| self.messages.warn(number, warning));
         let mut still = None;
         if !targets.is_empty() {
-            self.args.insets.words(numbered).for_each(|words| self.messages.note(number, words));
+            if let Some(words) = self.args.insets.words(numbered) {
+                self.messages.note(number, words.to_owned());
+            }
             let (report, window) = (frame.report.clone(), frame.window);
             let origin = &origin(scene, settings, &report, window);
             still = self.write(&mut frame, &targets, panels.as_ref(), (origin, scene.image.background))?;
@@ -281,6 +284,7 @@ pub(crate) fn complete(
     numbered.skipped.report(&mut report.skipped, &mut report.warnings, renderer.passed_over().len());
     (report.number, report.hold, report.look) = (numbered.number, args.read.hold(), numbered.look.name());
     if let Some(panels) = panels {
+        frame.report.warnings.extend(args.insets.covering(panels, frame));
         frame.report.warnings.extend(args.insets.add_marks(panels, numbered, frame, (renderer, settings))?);
         frame.report.warnings.extend(panels.warning());
     }

@@ -127,7 +127,7 @@ fn a_difference_of_the_tolerance_is_equal() {
         );
     }
     let (_, out, _) = frames.compare(&["a.npy", "b.npy", "--share", "10%"]);
-    assert!(out.starts_with("equal: 2 of 28 pixels differ beyond 0.0, and 10 % may "), "{out}");
+    assert!(out.starts_with("within the share: 2 of 28 pixels differ beyond 0.0, and 10 % may "), "{out}");
     for wrong in ["0", "1", "1.0"] {
         assert_eq!(frames.compare(&["a.npy", "b.npy", "--share", wrong]).0, 2, "{wrong}");
     }

@@ -118,7 +118,7 @@ fn a_legend_warns_of_what_no_pixel_shows() {
     for (camera, is_hidden) in [("--eye 0,0,30 --at 0,0,0", true), ("--eye 0,0,-30 --at 0,0,0", false)] {
         for legend in ["--legend-in", "--legend l.svg"] {
             let err = dir.render(&format!("behind.xyz {camera} --ortho 12 --size 220x150 {legend} -o a.png")).err;
-            assert_eq!(err.contains("pixels of spheres show (O: 0)"), is_hidden, "{err}");
+            assert_eq!(err.contains("pixels of spheres show (O: 0 pixels)"), is_hidden, "{err}");
         }
     }
     let err = dir.render("behind.xyz --eye 0,0,30 --at 0,0,0 --ortho 12 --size 220x150 -o a.png").err;

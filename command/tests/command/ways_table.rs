@@ -181,7 +181,7 @@ pub(crate) fn rows() -> Vec<Row> {
         at("scale-bar", "--scale-bar=nm").sized_all("120x90"),
         at("mark", "--mark kind~a=x").sized_all("120x90"),
         at("mark-one", "--mark-one kind~a=x").sized_all("120x90"),
-        row("mark-all", &format!("{CAMERA} --mark kind~a=x"), "--mark-all").sized_all("120x90").or(&["--mark"]),
+        row("mark-all", &format!("{CAMERA} --mark kind~a=x"), "--mark-all").sized_all("240x180").or(&["--mark"]),
         instead("look", CAMERA, CAMERA).looking("soft"),
         at("occlusion", "--occlusion 4"),
         row("reach", &format!("{CAMERA} --occlusion 4"), "--reach 0.5").or(LIGHT),

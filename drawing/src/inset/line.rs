@@ -23,6 +23,15 @@ impl Line {
         (0..=steps).map(move |n| [0, 1].map(|k| from[k] + (2 * n * away[k] + steps).div_euclid(2 * steps)))
     }
 
+    /// The distance of a point from it.
+    pub(super) fn distance(&self, point: [i64; 2]) -> f32 {
+        let [along, to] = [self.to, point].map(|at| [0, 1].map(|k| (at[k] - self.from[k]) as f32));
+        let dot = |a: [f32; 2], b: [f32; 2]| a[0] * b[0] + a[1] * b[1];
+        let share = (dot(along, to) / dot(along, along).max(1.0)).clamp(0.0, 1.0);
+        let away = [0, 1].map(|k| to[k] - share * along[k]);
+        dot(away, away).sqrt()
+    }
+
     /// Whether two lines cross.
     pub(super) fn crosses(&self, other: &Self) -> bool {
         let side = |line: &Self, [x, y]: [i64; 2]| {

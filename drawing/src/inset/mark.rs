@@ -12,7 +12,7 @@ use glam::DVec2;
 use halfline::camera::Projector;
 use halfline::error::Result;
 use halfline::frame::Frame;
-use halfline::quote::setting::{MARK, MARK_ALL, SIZE};
+use halfline::quote::setting::{HIDE, MARK, MARK_ALL, OPACITY, SIZE, VIEW};
 use halfline::quote::{count, list};
 use halfline::scene::Scene;
 use place::{Disc, Target};
@@ -103,8 +103,9 @@ fn unseen(hidden: &[(&str, &Vec<u32>)], count_of_all: usize) -> Option<String> {
     let texts: Vec<&str> = hidden.iter().map(|(text, _)| *text).collect();
     let (some, all) = (texts.len(), count(count_of_all as u64, "mark"));
     (some > 0).then(|| {
-        let problem = format!("{some} of {all} name what no pixel shows ({})", list(&texts));
-        format!("{problem}: another view shows it, and {MARK_ALL} writes them anyway")
+        let name = if count_of_all == 1 { "names" } else { "name" };
+        let problem = format!("{some} of {all} {name} what no pixel shows ({})", list(&texts));
+        format!("{problem}: {OPACITY} or {HIDE} for what is in front, or another {VIEW}, may show it, and {MARK_ALL} writes them anyway")
     })
 }
 
@@ -200,6 +201,33 @@ mod tests {
         assert!(middle(on)[0].abs_diff(200) <= 1 && middle(on)[1].abs_diff(150) <= 1, "{:?}", middle(on));
         assert_eq!(other.at[0], 324);
         assert!(middle(other)[1].abs_diff(50) <= 1 && panels.lines.is_empty());
+    }
+
+    /// Readers take a text for the name of what it is nearest to, and two lines in a row for one.
+    #[test]
+    fn a_text_is_not_nearest_to_another_thing_and_lines_keep_apart() {
+        // A small thing between two others, and a row of specks on a large sphere without a name.
+        let size = [400, 300];
+        let places: Vec<([i64; 2], i64)> = vec![
+            ([200, 60], 6),
+            ([186, 60], 6),
+            ([214, 60], 6),
+            ([200, 200], 80),
+            ([180, 180], 3),
+            ([200, 200], 3),
+            ([220, 220], 3),
+        ];
+        let things: Vec<Thing> = [0, 1, 2, 4, 5, 6].map(|id| (format!("Io{id}"), vec![id])).into();
+        let visible = VisibleThings::new(size, &things, &[discs(size, &places)]);
+        let mut panels = Panels::default();
+        assert_eq!(panels.mark([400, 300], false, &visible, &targets(&things, &visible)), [""; 0]);
+        // The specks have lines, for a text on the large sphere would be its name.
+        assert!(panels.lines.len() >= 3, "{}", panels.lines.len());
+        for (n, (line, _)) in panels.lines.iter().enumerate() {
+            for (other, _) in &panels.lines[..n] {
+                assert!(!line.crosses(other) && line.distance(other.from) > 4.0 && other.distance(line.from) > 4.0);
+            }
+        }
     }
 
     /// Spheres at random, many behind others, in things of up to five, in every third scene some without a thing.

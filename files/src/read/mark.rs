@@ -117,7 +117,7 @@ impl SceneFrame {
         for rule in rules {
             let (mask, messages) = self.selected(&rule.selection)?;
             notes.extend(messages);
-            let mut last = None;
+            let (mut last, first) = (None, marked.len());
             for (n, thing) in things.iter().enumerate().filter(|(n, _)| mask.get(*n).is_some_and(|flag| *flag)) {
                 match marked.last_mut().filter(|_| last.is_some_and(|last| rule.once || last == *thing)) {
                     Some(Marked { ids, .. }) => ids.push(n as u32),
@@ -125,6 +125,13 @@ impl SceneFrame {
                 }
                 last = Some(*thing);
             }
+            notes.extend(
+                marked
+                    .get(first)
+                    .filter(|_| rule.once)
+                    .and_then(|mark| self.several(rule, mark).transpose())
+                    .transpose()?,
+            );
             if marked.len() > MOST {
                 let problem = format!("{MARK} has {}, more than {MOST}", count(marked.len() as u64, "thing"));
                 let mend = format!("select fewer, such as one atom of each residue, or name them once by {MARK_ONE}");
@@ -132,6 +139,25 @@ impl SceneFrame {
             }
         }
         Ok((marked, notes))
+    }
+
+    /// A note about a text for one thing whose columns have other values at other spheres of it.
+    fn several(&self, rule: &MarkRule, Marked { text, ids }: &Marked) -> Result<Option<String>> {
+        if rule.parts.iter().all(|part| matches!(part, Part::Text(_))) {
+            return Ok(None);
+        }
+        for id in ids {
+            let other = self.text_of(rule, *id as usize)?;
+            if other != *text {
+                let selection = rule.selection.brief();
+                return Ok(Some(format!(
+                    "{MARK_ONE} writes {} at all that {selection} selects, some of which is {}; select less, or use {MARK}",
+                    quote(text),
+                    quote(&other)
+                )));
+            }
+        }
+        Ok(None)
     }
 
     /// The number of the thing that each particle belongs to: neighbours in the file with the same residue are one.

@@ -75,7 +75,12 @@ impl MatteNames {
             Naming::Column(word) => self.value(word, n),
             Naming::Residue(parts) => {
                 let part = |words: &Vec<String>| words.iter().map(|word| self.value(word, n)).collect::<String>();
-                let parts: Vec<String> = parts.iter().map(part).filter(|part| !part.is_empty()).collect();
+                let mut parts: Vec<String> = parts.iter().map(part).collect();
+                // The segment of most mmCIF files is its chain.
+                if parts[0] == parts[1] {
+                    parts.remove(1);
+                }
+                parts.retain(|part| !part.is_empty());
                 parts.join("/")
             }
         };

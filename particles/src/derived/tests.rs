@@ -104,3 +104,17 @@ fn a_spectrum_is_the_place_of_residues_in_their_chain() {
     assert_eq!((&found[..4], found[5]), (&[0.0, 0.0, 0.5, 1.0][..], 0.0));
     assert!(found[4].is_nan(), "water is no polymer");
 }
+
+#[test]
+fn distances_are_from_the_mean_of_all() {
+    let far = 1e9;
+    let of = particles(&[[far, 0.0, 0.0], [far + 3.0, 0.0, 0.0], [far, 3.0, 0.0], [far + 3.0, 3.0, 6.0]], None);
+    // The mean is (1.5, 1.5, 1.5) from the first.
+    let [near, top] = [6.75_f64.sqrt(), 24.75_f64.sqrt()];
+    assert_eq!(column(&of, "Distance").expect("distances"), [near, near, near, top]);
+    assert_eq!(column(&particles(&[], None), "distance").expect("none"), [0.0; 0]);
+    let own = Column { name: "distance".into(), values: vec![7.0; 4] };
+    let mut known = Particles { columns: vec![own.clone()], ..of };
+    add(&mut known, &["distance".to_owned()]).expect("its own");
+    assert_eq!(known.columns, [own]);
+}

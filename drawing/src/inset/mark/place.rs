@@ -18,8 +18,21 @@ const NEXT: f32 = 1e-3;
 const WITH_LINE: f32 = 0.12;
 const LONG_LINE: f32 = 0.45;
 
-/// The cost of a line that crosses another one.
-const CROSSED: f32 = 0.3;
+/// The cost of a line that crosses another one, or leads along it.
+const CROSSED: f32 = 0.5;
+
+/// The cost of a line that leads over other things all the way.
+const OVER: f32 = 0.6;
+
+/// The cost of a text without a line that is as near to another thing, or, all of it, on spheres without a name: readers take these
+/// for what it names.
+const DOUBTFUL: f32 = 0.3;
+
+/// The distance in heights of a text at which another thing, or a line, is near to it.
+const NEAR: f64 = 0.4;
+
+/// The places of a thing from which lines are tried.
+const STARTS: usize = 3;
 
 /// The directions of a text from its thing, in the order in which they are tried: right, above, below, left.
 const DIRECTIONS: [[i64; 2]; 8] = [[1, 0], [1, -1], [1, 1], [-1, 0], [0, -1], [0, 1], [-1, -1], [-1, 1]];
@@ -65,7 +78,13 @@ impl Panels {
         let mut consider = |at: [i64; 2], line: Option<Line>, cost: f32| {
             if best.is_none_or(|(least, _)| cost < least) && self.is_free(page, at, size) {
                 let thing = if let Target::Visible(thing) = target { Some(*thing) } else { None };
-                let cost = cost + covered(visible, thing, at, size) + line.map_or(0.0, |line| self.crossings(line));
+                let doubt = match line {
+                    Some(line) => self.crossings(line, size[1]) + OVER * over(visible, thing, line),
+                    None if cost > 0.0 => doubt(visible, thing, at, size),
+                    // All of it is on its thing.
+                    None => 0.0,
+                };
+                let cost = cost + covered(visible, thing, at, size) + doubt;
                 let is_alone = || thing.is_none_or(|thing| visible.is_clear_of_others(thing, at, size));
                 if best.is_none_or(|(least, _)| cost < least) && is_alone() {
                     best = Some((cost, Place { at, line }));
@@ -73,7 +92,7 @@ impl Panels {
             }
         };
         let [wide, high] = size;
-        let from = match target {
+        let starts = match target {
             Target::Visible(thing) => {
                 for [x, y] in thing.places.iter().map(|place| place.map(|x| x as i64)) {
                     let at = [x - wide / 2, y - high / 2];
@@ -87,7 +106,7 @@ impl Panels {
                         consider(adjacent(edge, direction, size, 1), None, ADJACENT + NEXT * n as f32);
                     }
                 }
-                thing.places[0].map(|x| x as i64)
+                thing.places.iter().take(STARTS).map(|place| place.map(|x| x as i64)).collect()
             }
             Target::Hidden(Disc { at, reach }) => {
                 let [x, y] = *at;
@@ -103,12 +122,11 @@ impl Panels {
                         ADJACENT + NEXT * n as f32,
                     );
                 }
-                *at
+                vec![*at]
             }
         };
-        for (length, [dx, dy]) in
-            LENGTHS.into_iter().flat_map(|length| around().map(move |direction| (length, direction)))
-        {
+        let ways = LENGTHS.into_iter().flat_map(|length| around().map(move |direction| (length, direction)));
+        for ((length, [dx, dy]), from) in ways.flat_map(|way| starts.iter().map(move |from| (way, *from))) {
             let away = length * high as f64 / ((dx * dx + dy * dy) as f64).sqrt();
             let end = [(dx, from[0]), (dy, from[1])].map(|(d, x)| x + (d as f64 * away).round() as i64);
             let at = adjacent(end, [dx, dy].map(i64::signum), size, 0);
@@ -144,9 +162,12 @@ impl Panels {
         !self.panels.iter().any(|panel| line.points().any(|at| is_inside(panel, at)))
     }
 
-    /// The cost of the lines that a line crosses.
-    fn crossings(&self, line: Line) -> f32 {
-        CROSSED * self.lines.iter().filter(|(other, _)| line.crosses(other)).count() as f32
+    /// The cost of the lines that a line crosses, or comes near to with its dot or theirs, where a text has this height.
+    fn crossings(&self, line: Line, high: i64) -> f32 {
+        let near = (NEAR * high as f64) as f32;
+        let touches = |one: &Line, other: &Line| one.distance(other.from) < near;
+        let meets = |other: &Line| line.crosses(other) || touches(&line, other) || touches(other, &line);
+        CROSSED * self.lines.iter().filter(|(other, _)| meets(other)).count() as f32
     }
 }
 
@@ -178,6 +199,25 @@ fn samples([left, top]: [i64; 2], [wide, high]: [i64; 2]) -> impl Iterator<Item 
 /// The mean of what a text covers.
 fn covered(visible: &VisibleThings, thing: Option<&VisibleThing>, at: [i64; 2], size: [i64; 2]) -> f32 {
     samples(at, size).map(|at| visible.covers(thing, at)).sum::<f32>() / (GRID[0] * GRID[1]) as f32
+}
+
+/// The share of a line's pixels that show other things.
+fn over(visible: &VisibleThings, thing: Option<&VisibleThing>, line: Line) -> f32 {
+    let (mut all, mut others) = (0.0, 0.0);
+    for at in line.points() {
+        all += 1.0;
+        others += if visible.covers(thing, at) == 1.0 { 1.0 } else { 0.0 };
+    }
+    others / all
+}
+
+/// The cost of a text without a line that readers may take for the name of something else.
+fn doubt(visible: &VisibleThings, thing: Option<&VisibleThing>, [left, top]: [i64; 2], [wide, high]: [i64; 2]) -> f32 {
+    let near = (NEAR * high as f64).round() as i64;
+    let around = samples([left - near, top - near], [wide + 2 * near, high + 2 * near]);
+    let has_other = around.into_iter().any(|at| visible.covers(thing, at) == 1.0);
+    let unnamed = samples([left, top], [wide, high]).filter(|at| visible.covers(thing, *at) == 0.5).count();
+    DOUBTFUL * (if has_other { 1.0 } else { unnamed as f32 / (GRID[0] * GRID[1]) as f32 })
 }
 
 /// The share of a text's pixels that show its thing.

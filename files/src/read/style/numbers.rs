@@ -16,6 +16,10 @@ use std::borrow::Cow;
 /// Values beyond the ends of the colours are reported where they are more than this part of all.
 const MANY: usize = 4;
 
+/// The share of a colour map at one of its ends, and the part of all values of which all but one in so many lie there, that is reported.
+const CROWDED: f64 = 0.05;
+const REST: usize = 20;
+
 impl Scale {
     /// The colours, and the legend unless there are no values and no range.
     ///
@@ -92,6 +96,15 @@ impl Scale {
                     number(high, 4),
                 ));
             }
+        }
+        let ends = |end: fn(f64) -> bool| parallel::count(n, |k| end((scaled(values[k]) - from) / width));
+        let (lowest, highest) = (ends(|part| part < CROWDED), ends(|part| part > 1.0 - CROWDED));
+        if self.range.is_none() && width > 0.0 && lowest.max(highest) > n - n / REST {
+            let (which, percent) = (if lowest > highest { "lowest" } else { "highest" }, 100 * lowest.max(highest) / n);
+            let log = if self.log { String::new() } else { format!(", or {LOG},") };
+            skipped.assumed.push(format!(
+                "{percent} % of the values of {name} have the {which} 5 % of the colours; {RANGE} 1%,99%{log} spreads them"
+            ));
         }
         let paint = particles.rule_numbers(RuleTarget::Color);
         let shown = values.iter().enumerate().filter(|(n, x)| x.is_nan() && !is_painted(paint, *n));
