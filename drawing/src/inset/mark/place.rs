@@ -224,3 +224,26 @@ fn doubt(visible: &VisibleThings, thing: Option<&VisibleThing>, [left, top]: [i6
 fn shown(visible: &VisibleThings, thing: &VisibleThing, at: [i64; 2], size: [i64; 2]) -> f32 {
     samples(at, size).filter(|at| visible.shows(thing, *at)).count() as f32 / (GRID[0] * GRID[1]) as f32
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_along_another_costs_as_much_as_one_across() {
+        let line = |from: [i64; 2], to: [i64; 2]| Line { from, to };
+        let page = Page::new(400, 300);
+        let mut panels = Panels::default();
+        panels.lines.extend(page.line_to(line([50, 50], [150, 150]), false));
+        for (other, cost) in [
+            (line([50, 150], [150, 50]), CROSSED),
+            // In a row with it, two pixels apart, which reads as one line.
+            (line([100, 104], [200, 204]), CROSSED),
+            (line([0, 2], [36, 38]), 0.0),
+            (line([0, 0], [47, 49]), CROSSED),
+            (line([100, 130], [200, 230]), 0.0),
+        ] {
+            assert_eq!(panels.crossings(other, 20), cost, "{other:?}");
+        }
+    }
+}
