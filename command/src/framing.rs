@@ -156,7 +156,7 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
             let camera = &frame.scene.camera;
             let source = options.direction_source(camera, frame.has_camera, frame.is_molecule, at);
             let found = look_at_focus(&source, options, camera, image, [focus, spheres], &framing)?;
-            warning = found.warning();
+            warning = found.warning(matches!(source, DirectionSource::Axes | DirectionSource::Middle(_)));
             found.camera
         }
         (framing, _) => {

@@ -165,7 +165,8 @@ impl InsetArgs {
         ];
         let names = list(given.into_iter().filter(|(is_given, _)| *is_given).map(|(_, name)| name));
         panels.cover_spheres(frame.ids(), frame.width).then(|| {
-            format!("spheres lie under the panels of {names}; a smaller --zoom, or another corner for the legend, leaves them free")
+            let corner = if self.legend_in.is_some() { ", or another corner of --legend-in," } else { "" };
+            format!("spheres lie under the panels of {names}; a smaller --zoom{corner} leaves them free")
         })
     }
 }

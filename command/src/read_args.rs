@@ -142,7 +142,7 @@ pub(super) struct ColorArgs {
     /// the legend. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]A[:CAPTION]", value_parser = opacity_rule, allow_negative_numbers = true)]
     opacity: Vec<Rule<f32>>,
-    /// Colours by element, chain, x, y, z, or any column of the file; several columns (vx,vy,vz) by their length.
+    /// Colours by element, chain, x, y, z, distance (from the middle), or any column of the file; several columns (vx,vy,vz) by their length.
     #[arg(long, value_name = "COLUMN,...")]
     pub(super) color_by: Option<String>,
     /// Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr, coolwarm, batlow, roma, vik,

@@ -138,8 +138,8 @@ class ReadOptions(TypedDict, total=False):
     shine: float | None
     """Exponent of the highlights of plastic; the greater, the smaller they are [default: 40]."""
     color_by: str | Iterable[str] | None
-    """Colours by element, chain, x, y, z, or any column of the file; several columns (vx,vy,vz)
-    by their length.
+    """Colours by element, chain, x, y, z, distance (from the middle), or any column of the file;
+    several columns (vx,vy,vz) by their length.
     """
     map: Path | ArrayLike | Callable[[NDArray[np.float64]], ArrayLike] | None
     """Colour map: viridis, inferno, magma, plasma, cividis, cubehelix, turbo, rdylbu, bwr,

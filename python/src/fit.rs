@@ -69,6 +69,6 @@ pub(crate) fn fit_camera(
         }
     };
     let found = around.look(with_up(facing), &camera).or_raise()?;
-    let warning = found.warning().map(|warning| in_keywords(&warning));
+    let warning = found.warning(fixed.is_none()).map(|warning| in_keywords(&warning));
     Ok((Camera::of(found.camera, None, size), warning))
 }

@@ -24,14 +24,15 @@ pub struct Outlook {
 const HIDDEN: f64 = 0.5;
 
 impl Outlook {
-    /// A warning where less than half of the spheres is seen.
+    /// A warning where less than half of the spheres is seen; `is_best` says whether no direction shows more.
     #[must_use]
-    pub fn warning(&self) -> Option<String> {
+    pub fn warning(&self, is_best: bool) -> Option<String> {
         let percent = (100.0 * self.visible_share).round();
+        let other = if is_best { String::new() } else { format!(", {VIEW} auto looks from where least is hidden") };
         (self.visible_share < HIDDEN).then(|| {
             format!(
                 "{percent} % of {FOCUS} is seen, the rest is behind other spheres; {HIDE} or {CLIP} removes these, {OPACITY} \
-                 shows through them, {VIEW} auto looks from where least is hidden"
+                 shows through them{other}"
             )
         })
     }

@@ -53,7 +53,7 @@ impl Panels {
                 None => hidden.push((&text[..], ids)),
             }
         }
-        let unseen = (!all && hidden.len() <= targets.len().max(1)).then(|| unseen(&hidden, things.len())).flatten();
+        let unseen = (!all).then(|| unseen(&hidden, things.len())).flatten();
         let behind = hidden.into_iter().filter(|_| all);
         targets.extend(behind.filter_map(|(text, ids)| Some((text, Target::Hidden(disc(scene, &projector, ids)?)))));
         let left_out = self.mark(size, is_dark(scene.image.background), &visible, &targets);
@@ -97,15 +97,17 @@ impl Panels {
     }
 }
 
-/// A warning about marks of hidden things, which are not drawn; `None` without any. Where most things are hidden, as within a protein, that
-/// is no surprise.
+/// A warning about marks of hidden things, which are not drawn; `None` without any.
 fn unseen(hidden: &[(&str, &Vec<u32>)], count_of_all: usize) -> Option<String> {
     let texts: Vec<&str> = hidden.iter().map(|(text, _)| *text).collect();
     let (some, all) = (texts.len(), count(count_of_all as u64, "mark"));
     (some > 0).then(|| {
         let name = if count_of_all == 1 { "names" } else { "name" };
         let problem = format!("{some} of {all} {name} what no pixel shows ({})", list(&texts));
-        format!("{problem}: {OPACITY} or {HIDE} for what is in front, or another {VIEW}, may show it, and {MARK_ALL} writes them anyway")
+        format!(
+            "{problem}: {HIDE} of what is in front, {OPACITY} below 1 for all but what is named, or another {VIEW} may show it; \
+             {MARK_ALL} writes them anyway"
+        )
     })
 }
 
