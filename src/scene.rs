@@ -5,6 +5,7 @@ pub mod arrange;
 mod ball;
 pub mod camera;
 mod check;
+mod cut;
 mod fit;
 mod gradient;
 pub mod instances;
@@ -27,6 +28,7 @@ use halfline_ground::memory::{entries, extend_to};
 
 pub(crate) use ball::{Ball, NumberedBall};
 pub use check::{MAX_SIDE, check_size};
+pub use cut::{CutPlane, Cuts};
 pub use fit::{Framing, Reach};
 pub use gradient::SkyColors;
 pub(crate) use gradient::{Gradient, SkyLight};
@@ -87,6 +89,8 @@ pub struct Spheres {
     pub materials: Option<Materials>,
     /// Opacities in pictures, above 0 and at most 1; `None` where all spheres are opaque. No other buffer depends on them.
     pub opacities: Option<List<f32>>,
+    /// The planes that cut spheres; `None` where no sphere is cut. See [`Spheres::cut`].
+    pub cuts: Option<Cuts>,
 }
 
 impl Spheres {
@@ -194,6 +198,9 @@ impl Spheres {
         if let Some(opacities) = &mut self.opacities {
             opacities.to_mut().push(1.0);
         }
+        if let Some(cuts) = &mut self.cuts {
+            cuts.of.to_mut().push(0);
+        }
         self.centers.to_mut().push(center);
         self.radii.to_mut().push(radius);
     }
@@ -253,6 +260,9 @@ impl Scene {
                 material.check(|field| Place::field(format!("material {index} {field}")))?;
             }
         }
+        if s.cuts.as_ref().is_some_and(|cuts| cuts.of.len() != s.radii.len()) {
+            return Err(Error::scene("spheres", "some spheres have no flag of cuts", "cut them again"));
+        }
         self.image.check()?;
         self.lighting.check(s.radii.len())?;
         self.camera.basis().map(drop)?;
@@ -294,6 +304,10 @@ impl Scene {
         if let Some(opacities) = &self.spheres.opacities {
             hash.update(b"opacities");
             hash.update(opacities.digest().as_bytes());
+        }
+        if let Some(cuts) = &self.spheres.cuts {
+            hash.update(format!("cuts {:?}", cuts.planes).as_bytes());
+            hash.update(cuts.of.digest().as_bytes());
         }
         hash.finalize().to_hex()[..32].to_owned()
     }

@@ -94,7 +94,7 @@ pub fn of_bytes(bytes: &[u8], name: &str) -> Result<Part> {
         Some((opacities, _)) => return Err(dtype(opacities, "opacities")),
     };
     let (centers, radii) = (xyz.as_chunks().0.to_vec().into(), r.clone().into());
-    Part::new(name.into(), about, ids, Spheres { centers, radii, colors, materials: None, opacities })
+    Part::new(name.into(), about, ids, Spheres { centers, radii, colors, materials: None, opacities, cuts: None })
 }
 
 /// Writes a part, completely or not at all.

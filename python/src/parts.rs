@@ -69,6 +69,7 @@ impl Sieve {
             colors: colors.map(|colors| list::<f32, [f32; 3], 3>(&colors)).transpose()?,
             materials: None,
             opacities: opacities.map(|opacities| list::<f32, f32, 1>(&opacities)).transpose()?,
+            cuts: None,
         };
         Job::default().run(py, None, || self.stream().as_mut().ok_or_else(ended)?.add(&block))
     }

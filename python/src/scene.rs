@@ -155,6 +155,7 @@ impl Scene {
             colors,
             materials: None,
             opacities,
+            cuts: None,
         };
         py.detach(|| check(&spheres)).or_raise()?;
         check_color(background, || "background".into()).or_raise()?;

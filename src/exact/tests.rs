@@ -268,6 +268,7 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
             colors: None,
             materials: None,
             opacities: None,
+            cuts: None,
         };
         let outside = judge_ray([0.0; 3], [1.0, 0.0, 0.0], &spheres).expect("looking in");
         // t = c/(b + sqrt(D)) for c = 2^2k, b = 1 and D = 1 - 2^2k.
@@ -283,6 +284,7 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
             colors: None,
             materials: None,
             opacities: None,
+            cuts: None,
         };
         let outside = judge_ray([-4.0 * x, 3.0 * x, 0.0], [3.0, 4.0, 0.0], &spheres).expect("looking in");
         assert_eq!((outside.root, outside.t), (Root::Near, x * x / 2.0), "2^-{k}");
@@ -293,6 +295,7 @@ fn an_eye_just_off_the_surface_is_on_its_side() {
         colors: None,
         materials: None,
         opacities: None,
+        cuts: None,
     };
     let truth = judge_ray([0.0; 3], [-1.0, 0.0, 0.0], &inside).expect("inside");
     assert_eq!((truth.root, truth.distance), (Root::Far, 2f64.powi(-53)));
@@ -385,6 +388,7 @@ fn a_given_ray_agrees_with_the_pixel_that_it_passes() {
         colors: None,
         materials: None,
         opacities: None,
+        cuts: None,
     };
     assert_eq!(judge_ray([0.0; 3], [0.0, 0.0, 1.0], &bad).map(|truth| (truth.id, truth.t)), Some((2, 2.0)));
 }
@@ -425,6 +429,7 @@ fn the_ends_of_the_range_are_judged_too() {
                 colors: None,
                 materials: None,
                 opacities: None,
+                cuts: None,
             },
         )
     };
@@ -441,6 +446,7 @@ fn the_ends_of_the_range_are_judged_too() {
             colors: None,
             materials: None,
             opacities: None,
+            cuts: None,
         };
         let truth = judge_ray([0.0; 3], [1e-300, 0.0, 0.0], &spheres);
         assert_eq!(truth.map(|truth| truth.tangent), hit.then_some(true));

@@ -31,6 +31,7 @@ impl Opaque {
             colors: spheres.colors.as_ref().map(|colors| parallel::map(&ids, |id| colors[*id as usize]).into()),
             materials: None,
             opacities: None,
+            cuts: spheres.cuts.as_ref().map(|cuts| cuts.chosen(&ids)),
         };
         own.share();
         Ok(Self { spheres: own, ids, tree: OnceLock::new() })

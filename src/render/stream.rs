@@ -288,6 +288,7 @@ fn visible(scene: Scene, spheres: Spheres, ids: StreamIds, digests: &Digests) ->
         colors: spheres.colors.map(|values| List::part_of(values.into_vec(), colors)),
         materials: None,
         opacities: spheres.opacities.map(|values| List::part_of(values.into_vec(), opacities)),
+        cuts: None,
     };
     Visible { scene: Scene { spheres, ..scene }, ids }
 }

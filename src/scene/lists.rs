@@ -1,6 +1,6 @@
 //! Lists of the spheres: operations on all of them alike, whatever values they have.
 
-use super::{List, Materials, Spheres};
+use super::{Cuts, List, Materials, Spheres};
 use blake3::Hasher;
 use bytemuck::NoUninit;
 use halfline_ground::check::keep;
@@ -42,18 +42,19 @@ fn digest<T: NoUninit + Sync>(list: &List<T>, hasher: &mut Hasher) {
 
 impl Spheres {
     fn lists_mut(&mut self) -> impl Iterator<Item = &mut dyn Values> {
-        let Self { centers, radii, colors, materials, opacities } = self;
+        let Self { centers, radii, colors, materials, opacities, cuts } = self;
         let kinds = materials.as_mut().map(|Materials { of, .. }| of as &mut dyn Values);
         let colors = colors.as_mut().map(|list| list as &mut dyn Values);
         let opacities = opacities.as_mut().map(|list| list as &mut dyn Values);
-        [Some(centers as &mut dyn Values), Some(radii), colors, kinds, opacities].into_iter().flatten()
+        let cuts = cuts.as_mut().map(|Cuts { of, .. }| of as &mut dyn Values);
+        [Some(centers as &mut dyn Values), Some(radii), colors, kinds, opacities, cuts].into_iter().flatten()
     }
 
     /// Removes all spheres, and keeps the memory.
     pub fn clear(&mut self) {
         self.centers.to_mut().clear();
         self.radii.to_mut().clear();
-        (self.colors, self.materials, self.opacities) = (None, None, None);
+        (self.colors, self.materials, self.opacities, self.cuts) = (None, None, None, None);
     }
 
     /// Keeps the spheres whose flag is set.

@@ -345,7 +345,7 @@ impl Balls {
             None => None,
         };
         let centers = triples(self.centers)?.collect::<Vec<_>>().into();
-        Some(Spheres { centers, radii: lists.get(self.radii, count)?.into(), colors, materials, opacities })
+        Some(Spheres { centers, radii: lists.get(self.radii, count)?.into(), colors, materials, opacities, cuts: None })
     }
 }
 

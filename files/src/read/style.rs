@@ -218,7 +218,7 @@ impl Style {
         let materials = self.materials(&particles);
         let are_checked = particles.checked && self.keeps_radii(&particles);
         let (centers, colors) = (std::mem::take(&mut particles.positions).into(), colors.map(Into::into));
-        let spheres = Spheres { centers, radii: radii.into(), colors, materials, opacities };
+        let spheres = Spheres { centers, radii: radii.into(), colors, materials, opacities, cuts: None };
         let is_invalid = |n: &usize| !(is_center(&spheres.centers[*n]) & is_radius(&spheres.radii[*n]));
         let count = if are_checked { 0 } else { spheres.len() };
         let invalid = parallel::blocks(0..count, CHEAP, &|_, mut spheres| spheres.find(is_invalid));

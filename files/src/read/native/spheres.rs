@@ -193,7 +193,7 @@ pub(in crate::read) fn rows_of(spheres: Spheres) -> SphereRows {
 /// Those of `read`, which leave no spheres.
 fn append_rows(spheres: &mut Spheres, read: impl FnOnce(&mut SphereRows) -> Result<()>) -> Result<()> {
     let before = spheres.len();
-    let Spheres { centers, radii, colors, mut materials, mut opacities } = std::mem::take(spheres);
+    let Spheres { centers, radii, colors, mut materials, mut opacities, cuts } = std::mem::take(spheres);
     let mut rows = SphereRows { centers: centers.into_vec(), radii: radii.into_vec(), colors: Vec::new() };
     read(&mut rows)?;
     let SphereRows { centers, radii, colors: mut new } = rows;
@@ -213,7 +213,7 @@ fn append_rows(spheres: &mut Spheres, read: impl FnOnce(&mut SphereRows) -> Resu
     if let Some(opacities) = &mut opacities {
         opacities.to_mut().resize(count, 1.0);
     }
-    *spheres = Spheres { centers: centers.into(), radii: radii.into(), colors, materials, opacities };
+    *spheres = Spheres { centers: centers.into(), radii: radii.into(), colors, materials, opacities, cuts };
     Ok(())
 }
 

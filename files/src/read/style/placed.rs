@@ -93,5 +93,6 @@ fn part_of(spheres: &Spheres, range: Range<usize>, colored: bool) -> Spheres {
         colors,
         materials: None,
         opacities,
+        cuts: None,
     }
 }

@@ -1,0 +1,203 @@
+//! Planes that cut spheres: what lies beyond a plane is removed, and shows the inside of the spheres that it passes through.
+
+use super::{Ball, List, Spheres};
+use crate::dyadic::{self, Dyadic};
+use halfline_ground::error::{Error, Place, Result};
+use halfline_ground::memory::check;
+use halfline_ground::parallel::{self, CHEAP};
+use std::cmp::Ordering;
+
+/// A plane N.p = D. What has N.p > D is removed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CutPlane {
+    /// N, of any length but zero, toward what is removed.
+    pub normal: [f64; 3],
+    /// D, in the unit of the scene times the length of N.
+    pub distance: f64,
+}
+
+/// The planes that cut spheres, and which spheres they cut.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Cuts {
+    /// The planes. A point is kept that all of them keep.
+    pub planes: Vec<CutPlane>,
+    /// 1 for a sphere that some plane cuts; 0 for one that lies wholly on the kept side, and for one that no plane may cut.
+    pub of: List<u8>,
+}
+
+/// The place of a ball beside planes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Side {
+    Kept,
+    Cut,
+    Removed,
+}
+
+/// Bound of the rounding of N.c - D and of r |N| in f64, relative to the sum of the sizes of their terms: fewer than 8 roundings.
+const ROUNDED: f64 = 8.0 * f64::EPSILON;
+
+impl CutPlane {
+    /// Checks the numbers of a plane.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] at `place` for a normal of length zero and for numbers that are not finite.
+    pub fn check(&self, place: impl FnOnce() -> Place) -> Result<()> {
+        let Self { normal, distance } = self;
+        let is_finite = normal.iter().chain([distance]).all(|x| x.is_finite());
+        if is_finite && *normal != [0.0; 3] {
+            return Ok(());
+        }
+        let problem = format!("found the plane {normal:?}, {distance}");
+        Err(Error::scene(place(), problem, "give a direction of any length but zero, and a distance, all finite"))
+    }
+
+    /// The exact place of a ball: removed where N.c - r |N| >= D, kept where N.c + r |N| <= D.
+    fn side(&self, ball: Ball) -> Side {
+        let Self { normal, distance } = self;
+        let terms: [f64; 3] = std::array::from_fn(|n| normal[n] * ball.center[n]);
+        let beyond = terms[0] + terms[1] + terms[2] - distance;
+        let reach = ball.radius * normal.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let doubt = ROUNDED * (terms.iter().map(|x| x.abs()).sum::<f64>() + distance.abs() + reach);
+        // Sums beyond f64 and below its normal numbers are decided exactly.
+        let is_sure = doubt < f64::MAX && doubt > f64::MIN_POSITIVE / f64::EPSILON;
+        match beyond {
+            _ if is_sure && beyond - reach > doubt => Side::Removed,
+            _ if is_sure && beyond + reach < -doubt => Side::Kept,
+            _ if is_sure && reach - beyond.abs() > doubt => Side::Cut,
+            _ => self.exact_side(ball),
+        }
+    }
+
+    fn exact_side(&self, ball: Ball) -> Side {
+        let normal = dyadic::vector(self.normal);
+        let beyond = &dyadic::dot(&normal, &dyadic::vector(ball.center)) - &Dyadic::of(self.distance);
+        let reach2 = &Dyadic::of(ball.radius).square() * &dyadic::dot(&normal, &normal);
+        match ((&beyond.square() - &reach2).sign(), beyond.sign()) {
+            (Ordering::Less, _) => Side::Cut,
+            (_, Ordering::Greater) => Side::Removed,
+            _ => Side::Kept,
+        }
+    }
+}
+
+impl Cuts {
+    /// The cuts of the spheres with these indices.
+    pub(crate) fn chosen(&self, indices: &[u32]) -> Self {
+        let flag = |id: &u32| u8::from(self.is_cut(*id));
+        Self { planes: self.planes.clone(), of: indices.iter().map(flag).collect::<Vec<_>>().into() }
+    }
+
+    /// Whether some plane cuts a sphere.
+    #[inline(always)]
+    pub(crate) fn is_cut(&self, id: u32) -> bool {
+        self.of.get(id as usize).is_some_and(|flag| *flag != 0)
+    }
+}
+
+impl Spheres {
+    /// Cuts spheres by planes: those wholly beyond a plane are removed, those that a plane passes through are cut. `may` has a
+    /// flag for each sphere that may be cut or removed; `None` for all. Returns the flags of the spheres that stay. Planes
+    /// of before are replaced.
+    ///
+    /// # Errors
+    /// As [`CutPlane::check`]; [`Error::Limits`] where memory is short.
+    pub fn cut(&mut self, planes: &[CutPlane], may: Option<&[bool]>) -> Result<Vec<bool>> {
+        for (n, plane) in planes.iter().enumerate() {
+            plane.check(|| Place::field(format!("cut {n}")))?;
+        }
+        check(3 * self.len() as u64, || format!("the cuts of {} spheres", self.len()))?;
+        let side = |n: usize| {
+            if !may.is_none_or(|may| may[n]) {
+                return Side::Kept;
+            }
+            let sides = planes.iter().map(|plane| plane.side(self.ball(n as u32)));
+            sides.fold(Side::Kept, |all, side| match (all, side) {
+                (Side::Removed, _) | (_, Side::Removed) => Side::Removed,
+                (Side::Cut, _) | (_, Side::Cut) => Side::Cut,
+                (Side::Kept, Side::Kept) => Side::Kept,
+            })
+        };
+        let sides: Vec<Side> = parallel::collect(self.len(), CHEAP, &|range, sides| sides.extend(range.map(side)));
+        let stays: Vec<bool> = sides.iter().map(|side| *side != Side::Removed).collect();
+        self.cuts = sides.contains(&Side::Cut).then(|| Cuts {
+            planes: planes.to_vec(),
+            of: sides.iter().map(|side| u8::from(*side == Side::Cut)).collect::<Vec<_>>().into(),
+        });
+        if stays.contains(&false) {
+            self.keep(&stays);
+        }
+        Ok(stays)
+    }
+
+    /// Whether some plane cuts a sphere.
+    #[must_use]
+    pub fn is_cut(&self, id: u32) -> bool {
+        self.cuts.as_ref().is_some_and(|cuts| cuts.is_cut(id))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn spheres(balls: &[([f64; 3], f64)]) -> Spheres {
+        let mut spheres = Spheres::default();
+        balls.iter().for_each(|(center, radius)| spheres.push(*center, *radius, None));
+        spheres
+    }
+
+    #[test]
+    fn spheres_are_kept_cut_or_removed_exactly() {
+        let unit = 1.0_f64;
+        let up = |distance: f64| CutPlane { normal: [0.0, 0.0, 2.0], distance: 2.0 * distance };
+        let ball = |z: f64, radius: f64| Ball { center: [3.0, -4.0, z], radius };
+        // A ball that touches the plane is not cut.
+        assert_eq!(up(1.0).side(ball(0.0, 1.0)), Side::Kept);
+        assert_eq!(up(-1.0).side(ball(0.0, 1.0)), Side::Removed);
+        assert_eq!(up(unit.next_down()).side(ball(0.0, 1.0)), Side::Cut);
+        assert_eq!(up((-unit).next_up()).side(ball(0.0, 1.0)), Side::Cut);
+        assert_eq!(up(unit.next_up()).side(ball(0.0, 1.0)), Side::Kept);
+        // A normal whose length is irrational: (1, 1, 0), so the ball of radius sqrt 2 is not exactly tangent.
+        let slant = CutPlane { normal: [1.0, 1.0, 0.0], distance: 2.0 };
+        let radius = std::f64::consts::SQRT_2;
+        assert!(radius * radius > 2.0, "the f64 is above the root");
+        assert_eq!(slant.side(Ball { center: [0.0; 3], radius }), Side::Cut);
+        assert_eq!(slant.side(Ball { center: [0.0; 3], radius: radius.next_down() }), Side::Kept);
+        // 1e8 away, and beyond the range of f64.
+        let far = CutPlane { normal: [3.0, 4.0, 0.0], distance: 7e8 };
+        assert_eq!(far.side(Ball { center: [1e8, 1e8, 0.0], radius: 1e-9 }), Side::Cut);
+        assert_eq!(far.side(Ball { center: [1e8 - 1.0, 1e8, 0.0], radius: 0.6 }), Side::Kept);
+        let huge = CutPlane { normal: [1e300, 0.0, 0.0], distance: 0.0 };
+        assert_eq!(huge.side(Ball { center: [1e300, 0.0, 0.0], radius: 1e300 }), Side::Removed);
+        assert_eq!(huge.side(Ball { center: [-1e300, 0.0, 0.0], radius: 1e300 }), Side::Kept);
+        let tiny = CutPlane { normal: [1e-300, 0.0, 0.0], distance: 0.0 };
+        assert_eq!(tiny.side(Ball { center: [1e-20, 0.0, 0.0], radius: 2e-20 }), Side::Cut);
+    }
+
+    #[test]
+    fn planes_remove_what_one_of_them_removes() {
+        let mut all =
+            spheres(&[([0.0; 3], 1.0), ([5.0, 0.0, 0.0], 1.0), ([0.0, 5.0, 0.0], 1.0), ([-5.0, 0.0, 0.0], 1.0)]);
+        let planes =
+            [CutPlane { normal: [1.0, 0.0, 0.0], distance: 0.5 }, CutPlane { normal: [0.0, 1.0, 0.0], distance: 4.5 }];
+        let before = all.clone();
+        assert_eq!(all.cut(&planes, None).expect("planes"), [true, false, true, true]);
+        assert_eq!([0, 1, 2].map(|id| all.is_cut(id)), [true, true, false]);
+        assert_eq!(all.cuts.as_ref().expect("cuts").planes, planes);
+        // Spared ones are whole, wherever they are.
+        let mut some = before.clone();
+        assert_eq!(some.cut(&planes, Some(&[false, false, true, true])).expect("planes"), [true; 4]);
+        assert_eq!([0, 1, 2, 3].map(|id| some.is_cut(id)), [false, false, true, false]);
+        let mut none = before.clone();
+        none.cut(&[CutPlane { normal: [0.0, 0.0, 1.0], distance: 7.0 }], None).expect("a plane");
+        assert_eq!(none, before);
+        for plane in [
+            CutPlane { normal: [0.0; 3], distance: 1.0 },
+            CutPlane { normal: [f64::NAN, 0.0, 1.0], distance: 1.0 },
+            CutPlane { normal: [0.0, 0.0, 1.0], distance: f64::INFINITY },
+        ] {
+            let error = none.cut(&[planes[0], plane], None).expect_err("no plane").to_string();
+            assert!(error.contains("cut 1") && error.contains("direction"), "{error}");
+        }
+    }
+}
