@@ -10,6 +10,7 @@
 //! From inside the far root is the hit. Equal t goes to the lower index.
 
 mod answer;
+mod cut;
 mod decide;
 mod field;
 mod filter;
@@ -24,7 +25,8 @@ use crate::number::vector::{LANES, Vector};
 use crate::scene::camera::{CentredFrame, CurvedFrame, ExactViewport};
 use crate::scene::{Ball, Scene, Spheres, check_sphere};
 pub use answer::Truth;
-use answer::{DecidedHit, Path, Quick};
+use answer::{DecidedHit, Path, Place as HitPlace, Quick};
+use cut::{Crossing, ExactCuts};
 pub use decide::Root;
 use decide::{ExactFrame, ExactLens, Meeting, odds};
 use filter::{AxesDd, Body, ExactCamera, FilterHit, FilterRay, FilterResult, Screen};
@@ -102,9 +104,13 @@ impl Judge {
     }
 
     /// Whether each of `lights` is hidden from the nearest hit of the ray through the centre of row `i`, column `j`: by the
-    /// sphere of the hit itself or by another one between. `None` where the ray hits nothing. All numbers are exact, so a
+    /// sphere of the hit itself or by another one between. `None` where the ray hits nothing, and in a scene whose spheres are cut
+    /// ([`Cuts`](crate::scene::Cuts)), of which this is not decided. All numbers are exact, so a
     /// ray that grazes its own or another surface is hidden, and no epsilon moves it off its surface.
     pub fn hidden(&self, i: u32, j: u32, lights: &[Toward]) -> Option<Vec<bool>> {
+        if self.bench.cuts.is_some() {
+            return None;
+        }
         self.bench.hidden(&self.ray(i, j)?, lights)
     }
 
@@ -247,6 +253,7 @@ pub(crate) fn judge_ray_among(
     for Ball { center, radius } in ids.iter().map(|id| spheres.ball(*id)) {
         few.push(center, radius, None);
     }
+    few.cuts = spheres.cuts.as_ref().map(|cuts| cuts.chosen(&ids));
     let bench = Bench::new(ExactFrame::world(origin), origin, &few);
     let truth = bench.nearest(&rays, 0..ids.len() as u32, limit)?;
     Some(Truth { id: ids[truth.id as usize], ..truth })
@@ -272,6 +279,8 @@ struct Bench {
     camera: ExactCamera,
     bodies: Vec<Body>,
     screens: Vec<Screen>,
+    /// The planes that cut some of the spheres.
+    cuts: Option<ExactCuts>,
 }
 
 /// The nearest hit so far.
@@ -280,6 +289,13 @@ struct Best<'a> {
     body: &'a Body,
     hit: FilterHit,
     meeting: OnceCell<Box<Meeting>>,
+}
+
+/// The order of hits at the same t: on a face the smaller sphere shows it, so that nested layers do; then the lower index counts.
+fn rank(next: &Best, best: &Best) -> Ordering {
+    let are_faces = next.decided.root == Root::Face && best.decided.root == Root::Face;
+    let size = if are_faces { next.body.ball.radius.total_cmp(&best.body.ball.radius) } else { Ordering::Equal };
+    size.then(next.decided.id.cmp(&best.decided.id))
 }
 
 impl Bench {
@@ -301,7 +317,7 @@ impl Bench {
             bodies.extend(some);
             screens.extend(their);
         });
-        Self { frame, camera, bodies, screens }
+        Self { frame, camera, bodies, screens, cuts: spheres.cuts.as_ref().map(ExactCuts::of) }
     }
 
     /// The nearest hit, if its t is below `limit`.
@@ -309,8 +325,11 @@ impl Bench {
     fn nearest(&self, rays: &RayForms<'_>, ids: impl Iterator<Item = u32>, limit: f64) -> Option<Truth> {
         let best = self.foremost(rays, ids)?;
         let before = || {
-            let ray = rays.exact(&self.frame);
-            decide::before(&self.frame.field, ray, self.meeting(rays, &best), best.decided.root, &Dyadic::of(limit))
+            let (field, ray, limit) = (&self.frame.field, rays.exact(&self.frame), Dyadic::of(limit));
+            match self.entry(rays, &best) {
+                Some(entry) => entry.is_before(field, &limit),
+                None => decide::before(field, ray, self.meeting(rays, &best), best.decided.root, &limit),
+            }
         };
         if limit < f64::INFINITY && !before() {
             return None;
@@ -345,6 +364,14 @@ impl Bench {
             |hit, root| Best { decided: DecidedHit { id, root, tangent: false }, body, hit, meeting: OnceCell::new() };
         match rays.quick.intersect(body) {
             FilterResult::Miss => None,
+            // What the filter knows of a whole sphere bounds nothing of a cut one.
+            FilterResult::FilterHit(hit, _) | FilterResult::Unsure(hit) if self.is_cut(id) => {
+                let best = best(hit.unknown(), Root::Near);
+                let (cuts, meeting) = (self.cuts.as_ref()?, self.meeting(rays, &best));
+                let kept = rays.interval(&self.frame, &cuts.planes)?;
+                let (root, tangent) = kept.hit(&self.frame.field, rays.exact(&self.frame), meeting)?;
+                Some(Best { decided: DecidedHit { id, root, tangent }, ..best })
+            }
             FilterResult::FilterHit(hit, root) => Some(best(hit, root)),
             FilterResult::Unsure(hit) => {
                 let best = best(hit, Root::Near);
@@ -359,10 +386,36 @@ impl Bench {
     /// Whether `next` is nearer, or at the same t with a lower index.
     #[inline(always)]
     fn beats(&self, rays: &RayForms<'_>, next: &Best, best: &Best) -> bool {
-        let same = next.body.ball == best.body.ball;
+        let same = next.body.ball == best.body.ball && next.decided.root == best.decided.root;
         let order = if same { Some(Ordering::Equal) } else { next.hit.order(&best.hit) };
-        let exact = || decide::order(&self.frame.field, self.meeting(rays, next), self.meeting(rays, best));
-        order.unwrap_or_else(exact).then(next.decided.id.cmp(&best.decided.id)) == Ordering::Less
+        let exact = || self.exact_order(rays, next, best);
+        order.unwrap_or_else(exact).then_with(|| rank(next, best)) == Ordering::Less
+    }
+
+    /// The exact order of t.
+    fn exact_order(&self, rays: &RayForms<'_>, next: &Best, best: &Best) -> Ordering {
+        let (field, ray) = (&self.frame.field, || rays.exact(&self.frame));
+        match (self.entry(rays, next), self.entry(rays, best)) {
+            (Some(_), Some(_)) => Ordering::Equal,
+            (Some(entry), None) => entry.order_root(field, ray(), self.meeting(rays, best), best.decided.root),
+            (None, Some(entry)) => {
+                entry.order_root(field, ray(), self.meeting(rays, next), next.decided.root).reverse()
+            }
+            (None, None) => {
+                let root = |best: &Best| best.decided.root;
+                decide::order(field, (self.meeting(rays, next), root(next)), (self.meeting(rays, best), root(best)))
+            }
+        }
+    }
+
+    fn is_cut(&self, id: u32) -> bool {
+        self.cuts.as_ref().is_some_and(|cuts| cuts.is_cut(id))
+    }
+
+    /// The plane of a hit that is on a face.
+    fn entry<'b>(&self, rays: &'b RayForms<'_>, best: &Best) -> Option<&'b Crossing> {
+        let cuts = self.cuts.as_ref().filter(|_| best.decided.root == Root::Face)?;
+        rays.interval(&self.frame, &cuts.planes)?.entry.as_ref()
     }
 
     fn hidden(&self, rays: &RayForms<'_>, lights: &[Toward]) -> Option<Vec<bool>> {
@@ -392,9 +445,16 @@ impl Bench {
     #[inline(always)]
     fn truth(&self, rays: &RayForms<'_>, best: &Best) -> Option<Truth> {
         let Best { decided, body, .. } = *best;
-        Quick::new(decided.root, &self.camera, &rays.quick, rays.planar(), body, &best.hit)
-            .truth(decided)
-            .or_else(|| answer::slow(decided, &self.frame, rays, self.meeting(rays, best), body.ball.radius))
+        Quick::new(decided.root, &self.camera, &rays.quick, rays.planar(), body, &best.hit).truth(decided).or_else(
+            || {
+                let normal = |entry: &Crossing| self.cuts.as_ref().map_or([0.0; 3], |cuts| cuts.normal(entry.plane));
+                let place = match self.entry(rays, best) {
+                    Some(entry) => HitPlace::Face(entry, normal(entry)),
+                    None => HitPlace::Root(self.meeting(rays, best)),
+                };
+                answer::slow(decided, &self.frame, rays, &place, body.ball.radius)
+            },
+        )
     }
 
     /// 128 bits of t: more than a double-double holds.

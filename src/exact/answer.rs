@@ -1,5 +1,6 @@
 //! The answer in f64: from double-doubles where their errors are small enough, else from exact numbers.
 
+use super::cut::Crossing;
 use super::decide::{ExactFrame, Meeting, Root};
 use super::field::FieldElement;
 use super::filter::{Body, ExactCamera, FilterHit, FilterRay, TINY, splat};
@@ -144,25 +145,37 @@ impl Quick<Vector<f64>> {
     }
 }
 
+/// The place of a hit in exact numbers.
+pub(crate) enum Place<'a> {
+    /// A root of the sphere.
+    Root(&'a Meeting),
+    /// A plane that cuts the sphere, with its normal of length 1.
+    Face(&'a Crossing, [f64; 3]),
+}
+
 /// The answer from exact numbers, with as many bits as necessary; `None` when the line misses the sphere.
 pub(crate) fn slow(
     name: DecidedHit,
     frame: &ExactFrame,
     rays: &RayForms<'_>,
-    meeting: &Meeting,
+    place: &Place<'_>,
     radius: f64,
 ) -> Option<Truth> {
     let ray = rays.exact(frame);
     let sign = if name.root == Root::Near { 1 } else { -1 };
     let radius = Dyadic::of(radius);
+    let path_of = |bits| match place {
+        Place::Root(meeting) => Path::new(frame, rays, meeting, name.root, bits),
+        Place::Face(crossing, _) => Some(Path::to_face(frame, rays, crossing, bits)),
+    };
     // A first estimate of the distance gives the number of bits needed beyond 2^-96 for a position on a small sphere.
-    let length = Path::new(frame, rays, meeting, name.root, 16)?.distance();
+    let length = path_of(16)?.distance();
     let origin_offset = |n| frame.origin_offset(ray, n);
     let start = |n, bits| (&frame.field.value(&origin_offset(n), bits) * rays.stretch()).over(&ray.a, bits);
     let farthest = (0..3).map(|n| start(n, 16)).filter(|x| !x.is_zero()).map(|x| x.magnitude()).max();
     let farthest = farthest.map_or(length.magnitude(), |exponent| exponent.max(length.magnitude()));
     let bits = 96 + (farthest - radius.magnitude()).max(0) as usize;
-    let path = Path::new(frame, rays, meeting, name.root, bits)?;
+    let path = path_of(bits)?;
     let offset: Dyadic3 = std::array::from_fn(|n| {
         let mut sum = FieldElement::ZERO;
         for (axis, along) in frame.axes.iter().zip(&ray.dir) {
@@ -171,7 +184,10 @@ pub(crate) fn slow(
         let along = (&frame.field.value(&sum, bits) * &path.scaled).over(&ray.a, bits);
         &along + &start(n, bits)
     });
-    let normal = |n: usize| (&(&offset[n] - &meeting.p[n]) * &Dyadic::from(sign)).over(&radius, bits).to_f64();
+    let normal = |n: usize| match place {
+        Place::Root(meeting) => (&(&offset[n] - &meeting.p[n]) * &Dyadic::from(sign)).over(&radius, bits).to_f64(),
+        Place::Face(_, normal) => normal[n],
+    };
     Some(Truth {
         id: name.id,
         root: name.root,
@@ -204,6 +220,12 @@ impl<'a> Path<'a> {
         let bits = bits + 4;
         let scaled = meeting.scaled_root(&frame.field, root, bits)?;
         Some(Self { frame, rays, bits, scaled })
+    }
+
+    /// The way to a plane.
+    fn to_face(frame: &'a ExactFrame, rays: &'a RayForms<'a>, crossing: &Crossing, bits: usize) -> Self {
+        let bits = bits + 4;
+        Self { frame, rays, bits, scaled: crossing.scaled(&frame.field, rays.exact(frame), bits) }
     }
 
     /// t |dir| = (b' -+ sqrt(D')) / sqrt(a')

@@ -35,6 +35,8 @@ pub enum Root {
     Near,
     /// The larger t: the ray leaves.
     Far,
+    /// No root: a plane cuts the sphere, and the ray enters it through the plane.
+    Face,
 }
 
 /// The eye and three orthogonal axes; a direction's component along one is counted in units of its length.
@@ -188,6 +190,12 @@ pub(crate) struct ExactRay {
     pub(crate) a: Dyadic,
 }
 
+impl ExactRay {
+    pub(super) fn is_parallel(&self) -> bool {
+        self.from.is_some()
+    }
+}
+
 /// p, b', a' c0 and D' of one ray and one sphere.
 #[derive(Debug, Clone)]
 pub(crate) struct Meeting {
@@ -271,10 +279,9 @@ pub(crate) fn before(field: &Field, ray: &ExactRay, meeting: &Meeting, root: Roo
 ///
 /// The sign of B + X with B = b1 - b2 and X = s1 sqrt(D1) - s2 sqrt(D2). Where they oppose, B^2 - X^2 =
 /// G + 2 s1 s2 sqrt(D1 D2) with G = B^2 - D1 - D2 decides, and where those two oppose, G^2 - 4 D1 D2.
-pub(crate) fn order(field: &Field, first: &Meeting, second: &Meeting) -> Ordering {
+pub(crate) fn order(field: &Field, (first, root1): (&Meeting, Root), (second, root2): (&Meeting, Root)) -> Ordering {
     let gap = first.b.minus(&second.b);
-    let far = |meeting: &Meeting| root(meeting.side(field)) == Root::Far;
-    let (far1, far2) = (far(first), far(second));
+    let (far1, far2) = (root1 == Root::Far, root2 == Root::Far);
     let (d1, d2) = (&first.disc, &second.disc);
     let roots = match (far1, far2) {
         (true, true) => field.sign(&d1.minus(d2)),

@@ -41,6 +41,11 @@ impl FieldElement {
         self.0[1..].iter().all(Dyadic::is_zero).then_some(&self.0[0])
     }
 
+    /// self x
+    pub(super) fn scaled(&self, x: &Dyadic) -> Self {
+        Self(self.0.each_ref().map(|part| part * x))
+    }
+
     /// self 2^k
     pub(crate) fn ldexp(self, k: i64) -> Self {
         Self(self.0.map(|x| x.ldexp(k)))

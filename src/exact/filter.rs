@@ -406,6 +406,11 @@ pub(crate) struct FilterHit<T = f64> {
 }
 
 impl FilterHit {
+    /// A hit of which nothing is known.
+    pub(crate) fn unknown(self) -> Self {
+        Self { error: f64::INFINITY, ..self }
+    }
+
     /// The order of t, where the errors allow a decision.
     #[inline(always)]
     pub(crate) fn order(&self, other: &Self) -> Option<Ordering> {

@@ -1,5 +1,6 @@
 //! A ray as the judge decides it.
 
+use super::cut::{ExactPlane, Interval};
 use super::decide::{ExactFrame, ExactLens, ExactRay, Line};
 use super::filter::FilterRay;
 use crate::dyadic::{self, Dyadic};
@@ -10,6 +11,8 @@ pub(super) struct RayForms<'a> {
     pub(super) quick: FilterRay,
     course: Course<'a>,
     exact: OnceCell<Box<ExactRay>>,
+    /// The part that planes keep, if any.
+    interval: OnceCell<Option<Box<Interval>>>,
 }
 
 /// The source of the exact ray: a pixel of a lens, or a given direction.
@@ -23,12 +26,17 @@ impl<'a> RayForms<'a> {
     /// The ray through the centre of this row and column.
     #[inline(always)]
     pub(super) fn through(lens: &'a ExactLens, at: [u32; 2], quick: FilterRay) -> Self {
-        Self { quick, course: Course::Pixel(lens, at), exact: OnceCell::new() }
+        Self { quick, course: Course::Pixel(lens, at), exact: OnceCell::new(), interval: OnceCell::new() }
     }
 
     /// A ray with a given direction; finite and not zero.
     pub(super) fn along(direction: [f64; 3]) -> Self {
-        Self { quick: FilterRay::along(direction), course: Course::Given(direction), exact: OnceCell::new() }
+        Self {
+            quick: FilterRay::along(direction),
+            course: Course::Given(direction),
+            exact: OnceCell::new(),
+            interval: OnceCell::new(),
+        }
     }
 
     /// Whether the third component is a depth.
@@ -43,6 +51,11 @@ impl<'a> RayForms<'a> {
             Course::Pixel(lens, _) => &lens.stretch,
             Course::Given(_) => &ONE,
         }
+    }
+
+    /// The part that planes, which are the same for all calls, keep of it.
+    pub(super) fn interval(&self, frame: &ExactFrame, planes: &[ExactPlane]) -> Option<&Interval> {
+        self.interval.get_or_init(|| frame.interval(self.exact(frame), planes).map(Box::new)).as_deref()
     }
 
     pub(super) fn exact(&self, frame: &ExactFrame) -> &ExactRay {

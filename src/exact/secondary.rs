@@ -170,6 +170,8 @@ impl<'a> HitPoint<'a> {
         match self.root {
             // The light is behind the surface, or its ray grazes it.
             Root::Near => self.field.sign(&b) != Ordering::Less,
+            // A face looks into what its plane removes.
+            Root::Face => false,
             Root::Far if light.infinite => true,
             // The power of the hit is 0.
             Root::Far => self.field.sign(&light.length2.minus(&b.twice())) == Ordering::Greater,

@@ -1,5 +1,6 @@
 //! Decisions whose answers are known by construction, and a comparison of the filter with the exact signs.
 
+mod cuts;
 mod parallel;
 mod secondary;
 
@@ -58,14 +59,16 @@ fn exactly(bench: &Bench, rays: &RayForms) -> Option<Truth> {
     for (id, body) in bench.bodies.iter().enumerate() {
         let meeting = bench.intersect(rays, body);
         let Some(tangent) = meeting.hit(field) else { continue };
-        if best.as_ref().is_none_or(|(_, b, _)| decide::order(field, &meeting, b) == Ordering::Less) {
+        let rooted = |meeting: &Meeting| decide::root(meeting.side(field));
+        let nearer = |other: &Meeting| decide::order(field, (&meeting, rooted(&meeting)), (other, rooted(other)));
+        if best.as_ref().is_none_or(|(_, other, _)| nearer(other) == Ordering::Less) {
             best = Some((id as u32, meeting, tangent));
         }
     }
     let (id, meeting, tangent) = best?;
     let body = &bench.bodies[id as usize];
     let name = DecidedHit { id, root: decide::root(meeting.side(field)), tangent };
-    answer::slow(name, &bench.frame, rays, &meeting, body.ball.radius)
+    answer::slow(name, &bench.frame, rays, &HitPlace::Root(&meeting), body.ball.radius)
 }
 
 /// In [-1, 1).
