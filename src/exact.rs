@@ -202,6 +202,9 @@ impl Judge {
     pub(crate) fn surely_hit(&self, at: &[[u32; 2]; LANES], id: u32) -> [Option<Truth>; LANES] {
         let body = &self.bench.bodies[id as usize];
         let mut truths = [None; LANES];
+        if self.bench.is_cut(id) {
+            return truths;
+        }
         let JudgedLens::Plane(_, CentredFrame { viewport, size, step, shift: [left, top] }) = &self.lens else {
             return truths;
         };

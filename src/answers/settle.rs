@@ -100,8 +100,9 @@ impl Settler<'_> {
             let slopes = twin.slopes(row, column);
             all.clear();
             all.extend(twin.candidates(&slopes));
-            // An upper bound of the depth of the nearest hit.
-            let foremost = all.iter().min_by(|a, b| a.0.total_cmp(&b.0));
+            // An upper bound of the depth of the nearest hit. A cut sphere bounds nothing.
+            let whole = all.iter().filter(|(_, slot)| !self.scene.spheres.is_cut(twin.id(*slot)));
+            let foremost = whole.min_by(|a, b| a.0.total_cmp(&b.0));
             let answer = foremost.map(|(_, slot)| twin.answer(&slopes, *slot)).filter(|answer| answer.hits);
             let limit = answer.map_or(f32::MAX, |answer| answer.high + VANISH);
             lists.add(all.iter().filter(|(low, _)| *low <= limit).map(|(_, slot)| twin.id(*slot)));
@@ -123,11 +124,13 @@ impl Settler<'_> {
         for &id in &ids {
             spheres.push(scene.spheres.centers[id as usize], scene.spheres.radii[id as usize], None);
         }
+        spheres.cuts = scene.spheres.cuts.as_ref().map(|cuts| cuts.chosen(&ids));
         let few = Scene { spheres, ..scene.bare() };
         let (judge, view) = (&self.view.judge(&few)?, self.twin.view);
         let is_long =
             lists.iter().any(|lists| (0..lists.ends.len()).any(|n| lists.of(n).len() > EQUAL_SEARCH_MIN_CANDIDATES));
-        let firsts = if is_long { firsts(&few.spheres) } else { None };
+        // Equal spheres may be cut and whole.
+        let firsts = if is_long && few.spheres.cuts.is_none() { firsts(&few.spheres) } else { None };
         let local = |id: &u32| ids.binary_search(id).map_or(u32::MAX, |k| k as u32);
         let mut settled: Vec<Settled> = pixels.iter().map(|&pixel| Settled { pixel, truth: None }).collect();
         let decide = |settled: &mut [Settled], lists: &mut Lists| {

@@ -10,7 +10,7 @@ use super::projection::cover::Coverage;
 pub(crate) use super::projection::cover::Through;
 use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
-use super::projection::{ProjectionBounds, host_cull_margin};
+use super::projection::{ProjectionBounds, UNKNOWN, host_cull_margin};
 use super::records::{RecordMaker, SPHERES_PER_JOB, SphereOrder};
 use super::reference::{joined, reference};
 use super::terms::{TERMS, Terms};
@@ -146,21 +146,26 @@ impl Binning<'_> {
         reference: f32,
     ) -> BinnedScene {
         let Self { scene, view, tolerance, level, through, pool, .. } = *self;
-        let SphereBins { bins, generals, projected_count, entries, .. } = bins;
+        let SphereBins { bins, mut generals, projected_count, entries, .. } = bins;
+        let cuts = scene.spheres.cuts.as_ref();
+        // A cut sphere is hit at any depth, or not at all.
+        for general in generals.iter_mut().filter(|general| cuts.is_some_and(|cuts| cuts.is_cut(general.id))) {
+            general.blur = UNKNOWN;
+        }
         let size = [scene.image.width, scene.image.height];
         let record = projection.record(reference, tolerance, generals.len());
         let reference = reference.into();
         let margin = host_cull_margin(tolerance);
         let coverage = Coverage::new(projection, size, reference, margin, projection.per_pixel);
-        let mut maker = RecordMaker { projection, order, coverage, through, reference, ready: Vec::new() };
+        let mut maker = RecordMaker { projection, order, coverage, through, reference, cuts, ready: Vec::new() };
         if entries >= PROJECTION_MIN_LISTS * bins.len() as u64 {
             maker.project_all(pool);
         }
         let lists = Lists::new(&bins, entries, view.record.tiles(), level, &maker, pool);
         pool.put_back(maker.ready);
         pool.put_back(bins);
-        // Among general spheres all count: they are few.
-        let margin = if through.is_none() { margin } else { f64::INFINITY };
+        // Among general spheres all count that translucent or cut ones may not hide: they are few.
+        let margin = if through.is_none() && cuts.is_none() { margin } else { f64::INFINITY };
         let near = GeneralTree::new(projection, &generals, size, margin);
         let general_lists = near.lists(view.record.tiles(), level);
         BinnedScene { projection: record, lists, generals, general_lists, projected_count }

@@ -42,7 +42,7 @@ const STEEPEST: f64 = 0.75;
 /// 2^-100.
 const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
 /// An error of p.d that makes every answer uncertain, with a square in range.
-const UNKNOWN: f32 = (1u64 << 60) as f32;
+pub(super) const UNKNOWN: f32 = (1u64 << 60) as f32;
 /// The least promised tolerance that margins depend on: four units of roundoff.
 const LEAST_TOLERANCE: f64 = 1.0 / (1 << 21) as f64;
 /// Factor from the kernel's cull margin to the host's. Its excess over 1 is many times the rounding of f32, 2^-23.

@@ -4,10 +4,10 @@ use super::entry::Placed;
 use super::grouped::Grouped;
 use super::projection::ProjectionBounds;
 use super::projection::cover::{Cover, Coverage, Through};
-use super::projection::project::LaneBatch;
+use super::projection::project::{LaneBatch, NEVER};
 use super::projection::stage::Staged;
 use crate::number::vector::LANES;
-use crate::scene::{NumberedBall, Spheres};
+use crate::scene::{Cuts, NumberedBall, Spheres};
 use crate::tile::CHUNK;
 use halfline_ground::memory::Pool;
 use halfline_ground::parallel;
@@ -59,6 +59,8 @@ pub(super) struct RecordMaker<'a> {
     /// The layers that a ray shows; `None` for the first hit alone.
     pub(super) through: Option<Through<'a>>,
     pub(super) reference: f64,
+    /// The planes that cut spheres.
+    pub(super) cuts: Option<&'a Cuts>,
     /// The records of all spheres by their numbers, where most spheres are in several lists; else empty.
     pub(super) ready: Vec<Placed>,
 }
@@ -93,6 +95,11 @@ impl RecordMaker<'_> {
                 *placed = eight.placed(l, ids[l]);
             } else if let Staged::Projected(landed) = projection.stage(ids[l], centers[l], radii[l], reference) {
                 *placed = landed.placed;
+            }
+        }
+        if let Some(cuts) = self.cuts {
+            for placed in to.iter_mut().filter(|placed| cuts.is_cut(placed.detail.id)) {
+                placed.detail.center = NEVER as f32;
             }
         }
     }

@@ -17,7 +17,7 @@ use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use choose::Choice;
 use halfline_ground::error::{Error, Result};
-use halfline_ground::quote::setting::{ACCURACY, APERTURE, METHOD};
+use halfline_ground::quote::setting::{ACCURACY, APERTURE, LOOK, METHOD, SAMPLES};
 use kind::EngineKind;
 
 /// The decisions for one scene and its settings, with their reasons.
@@ -89,7 +89,19 @@ impl Plan {
         if plan.sampled.is_some() {
             (plan.kernel.shade, plan.kernel.colors) = (None, false);
         }
+        plan.check_cuts(scene)?;
         Ok(plan)
+    }
+
+    /// Refuses what planes that cut spheres do not reach yet: passes that find hits again from ids, and given rays.
+    fn check_cuts(&self, scene: &Scene) -> Result<()> {
+        let is_plain = self.sampled.is_none() && self.given.is_none() && !self.light_outputs.is_any();
+        if scene.spheres.cuts.is_none() || is_plain {
+            return Ok(());
+        }
+        let problem = "planes cut some spheres, which have buffers and plain colours alone";
+        let mend = format!("use {LOOK} plain, one of {SAMPLES}, and a camera without a curved lens");
+        Err(Error::settings(problem, mend))
     }
 
     /// The plan for viewing rays through a plane, as far as hits go.

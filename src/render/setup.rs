@@ -36,6 +36,9 @@ enum ResidentSetup {
     Refused(Plan),
 }
 
+/// The reason for the CPU path where planes cut spheres.
+const CUT: &str = "the host decides spheres that planes cut";
+
 /// The reason for the CPU path where f32 on a device cannot place the spheres.
 const NOT_PLACED: &str = "the device cannot place these spheres for this camera";
 
@@ -52,7 +55,8 @@ pub(super) fn make(at: &mut Rendering<'_>, plan: Plan, scene: &Scene, raster: Ra
     };
     let pixels = u64::from(raster.window.width()) * u64::from(raster.window.height());
     // Groups are hidden by all spheres.
-    let is_grouped = plan.accuracy == Accuracy::Certified && plan.given.is_none() && !plan.is_deep;
+    let is_grouped =
+        plan.accuracy == Accuracy::Certified && plan.given.is_none() && !plan.is_deep && scene.spheres.cuts.is_none();
     let ordered = || at.renderer.order_of(&scene.spheres).groups(&scene.spheres, frame, pixels);
     let order = is_grouped.then(ordered).flatten();
     FrameSetup::new(at, plan, (scene, order.as_ref().map(Ordered::groups)), raster)
@@ -89,6 +93,10 @@ fn on_device(
         return Ok(ResidentSetup::Refused(plan));
     };
     scene.check()?;
+    if scene.spheres.cuts.is_some() {
+        log.refuse(CUT);
+        return Ok(ResidentSetup::Refused(Plan { engine: EngineKind::Strips, ..plan }));
+    }
     let eye = scene.camera.basis()?.e;
     let reach = if gpu.verdict()?.places { reach(gpu, log)? } else { None };
     let setup = match reach.and_then(|reach| reach.sizes(eye)) {

@@ -138,6 +138,10 @@ impl Stream {
     fn add_block(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let is_first = self.kept.numbers.is_empty() && self.sieves.is_empty();
         let unlike = self.kept.spheres.carried() != block.carried();
+        if block.cuts.is_some() {
+            let problem = "planes cut some spheres, which a stream takes for whole";
+            return Err(Error::scene(Place::field("spheres"), problem, "render them in memory"));
+        }
         if block.materials.is_some() || !is_first && unlike {
             let problem = "some spheres have colours, opacities or materials and others do not";
             return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));

@@ -18,7 +18,7 @@ use crate::scene::Spheres;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Backend, Search, Settings};
 pub use crate::view::given::Rays;
-use halfline_ground::error::Result;
+use halfline_ground::error::{Error, Result};
 use halfline_ground::memory::zeroed;
 use halfline_ground::parallel;
 pub(super) use on_device::OnDevice;
@@ -257,6 +257,10 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::tracer`].
     pub(super) fn given_place(&mut self, spheres: &Spheres, settings: &Settings) -> Result<GivenPlace> {
+        if spheres.cuts.is_some() {
+            let problem = "planes cut some spheres, and given rays take them for whole";
+            return Err(Error::settings(problem, "trace the spheres without cuts"));
+        }
         let plan = GivenPlan::new(settings, spheres.len())?;
         let load = budget::on_device(spheres.len(), &plan.kernel, 0);
         let warning = self

@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::settings::{Accuracy, Settings};
 use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::number;
-use halfline_ground::quote::setting::METHOD;
+use halfline_ground::quote::setting::{ACCURACY, METHOD};
 
 /// A choice and its reason.
 pub(super) struct Choice {
@@ -34,6 +34,18 @@ pub(in crate::render) const MAX_FOR_METHOD: usize = 8;
 pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(Method) -> bool) -> Result<Choice> {
     let choice =
         |accuracy, method: Option<Method>, reason: String| Choice { accuracy, method, reason, predicted: None };
+    if scene.spheres.cuts.is_some() {
+        return match (settings.accuracy, settings.method) {
+            (Accuracy::Exact, None) => Ok(choice(Accuracy::Exact, None, "exact arithmetic is requested".into())),
+            (Accuracy::Auto | Accuracy::Certified, None) => {
+                Ok(choice(Accuracy::Certified, None, "spheres that planes cut are certified".into()))
+            }
+            _ => {
+                let problem = "planes cut some spheres, and an answer without a proof takes them for whole";
+                Err(Error::settings(problem, format!("remove {METHOD} or {ACCURACY}")))
+            }
+        };
+    }
     let is_parallel = scene.camera.lens.is_orthographic();
     if let (true, Some(method)) = (is_parallel, settings.method) {
         let problem = format!("method {} does not support orthographic cameras", method.name());

@@ -1,0 +1,136 @@
+//! The promise of planes that cut spheres: every pixel shows what exact arithmetic decides, in every buffer, on every backend.
+//!
+//! Gold standard: the judge over all spheres, whose decisions about planes its own tests compare with whole numbers. Tolerances: of
+//! certified depths the promised one, of normals 1e-3 rad.
+
+use crate::adapter::renderers;
+use crate::amount::amount;
+use crate::cloud::cloud;
+use crate::oblique::{self, vfov};
+use crate::rng::Rng;
+use halfline::camera::Lens;
+use halfline::exact::{Judge, Root};
+use halfline::frame::Aov;
+use halfline::render::Renderer;
+use halfline::scene::{CutPlane, Scene, Spheres};
+use halfline::settings::{Accuracy, Settings};
+use halfline::shade::Shade;
+
+const SIZE: [u32; 2] = [73, 51];
+
+/// A plane with this normal through a point.
+fn through(normal: [f64; 3], point: [f64; 3]) -> CutPlane {
+    CutPlane { normal, distance: (0..3).map(|k| normal[k] * point[k]).sum() }
+}
+
+/// Planes that are hard: toward the eye, along the view, through the eye, a slab, nearly parallel ones, through a centre, at a tangent.
+fn planes(spheres: &Spheres, eye: [f64; 3], rng: &mut Rng) -> Vec<(&'static str, Vec<CutPlane>)> {
+    let middle = spheres.middle().to_array();
+    let toward: [f64; 3] = std::array::from_fn(|k| eye[k] - middle[k]);
+    let side = [toward[1], -toward[0], 0.0];
+    let (center, radius) = (spheres.centers[3], spheres.radii[3]);
+    let back = toward.map(|x| -x);
+    let tilted = |n: usize| toward.map(|x| x + 1e-9 * n as f64);
+    vec![
+        ("toward the eye", vec![through(toward, middle)]),
+        ("along the view", vec![through(side, middle)]),
+        ("through the eye", vec![through(rng.cube(), eye)]),
+        ("a slab", vec![through(toward, middle), through(back, center)]),
+        ("nearly parallel", (0..40).map(|n| through(tilted(n), middle)).collect()),
+        ("tangent", vec![CutPlane { normal: [0.0, 0.0, 1.0], distance: center[2] + radius }]),
+        ("drawn", (0..3).map(|_| through(rng.cube(), spheres.centers[rng.below(spheres.len())])).collect()),
+    ]
+}
+
+/// Spheres of a cloud, with nested ones around some of their centres, and equal ones.
+fn spheres(seed: u64) -> Spheres {
+    let mut all = cloud(0xc0 + seed, 150, [0.0; 3], 4.0, 0.5);
+    for n in 0..20 {
+        let (center, radius) = (all.centers[n], all.radii[n]);
+        all.push(center, radius * (0.5 + 0.1 * (n % 6) as f64), None);
+    }
+    all
+}
+
+fn render(renderer: &mut Renderer, scene: &Scene, settings: &Settings) -> halfline::frame::Frame {
+    renderer.render(scene, settings).expect("a frame")
+}
+
+#[test]
+fn pixels_of_cut_spheres_are_those_of_the_judge() {
+    let aovs = vec![Aov::Id, Aov::Depth, Aov::Distance, Aov::Normal, Aov::Position, Aov::Color];
+    let settings = Settings { aovs, shade: Shade::Headlight, ..Settings::default() };
+    let seeds = amount("clouds with cuts", [1, 3, 20]);
+    let (mut pixels, mut faces, mut wrong) = (0_u64, 0_u64, Vec::new());
+    for seed in 0..seeds as u64 {
+        let mut rng = Rng::new(0xc07 + seed);
+        for (lens, eye) in [
+            (vfov(45.0), [1.0, 2.0, 9.0]),
+            (Lens::Orthographic { height: 5.0 }, [2.0, -1.0, 9.0]),
+            (vfov(80.0), [0.2, 0.1, 0.3]),
+        ] {
+            let whole = spheres(seed);
+            for (name, planes) in planes(&whole, eye, &mut rng) {
+                let mut cut = whole.clone();
+                cut.cut(&planes, None).expect("planes");
+                let scene = oblique::scene(SIZE, eye, [0.0; 3], lens, cut);
+                let judge = Judge::new(&scene).expect("a scene");
+                for (backend, mut renderer) in renderers() {
+                    let frame = render(&mut renderer, &scene, &settings);
+                    let [depth, distance] =
+                        [Aov::Depth, Aov::Distance].map(|aov| frame.f64(aov).expect("a buffer").to_vec());
+                    let normals = frame.f32(Aov::Normal).expect("normals").to_vec();
+                    for (pixel, id) in frame.ids().iter().enumerate() {
+                        let (i, j) = (pixel as u32 / SIZE[0], pixel as u32 % SIZE[0]);
+                        let truth = judge.pixel(i, j);
+                        pixels += 1;
+                        faces += u64::from(truth.is_some_and(|truth| truth.root == Root::Face));
+                        let is_same = match &truth {
+                            None => *id == -1 && depth[pixel] == f64::INFINITY,
+                            Some(truth) => {
+                                let near = |found: f64, exact: f64| (found - exact).abs() <= 2f64.powi(-20) * exact;
+                                let normal = [0, 1, 2].map(|k| f64::from(normals[3 * pixel + k]));
+                                let turn: f64 =
+                                    (0..3).map(|k| (normal[k] - truth.normal[k]).powi(2)).sum::<f64>().sqrt();
+                                *id == truth.id as i32
+                                    && near(depth[pixel], truth.depth)
+                                    && near(distance[pixel], truth.distance)
+                                    && turn < 1e-3
+                            }
+                        };
+                        if !is_same {
+                            wrong.push(format!(
+                                "{seed} {name} {lens:?} {backend:?} {i} {j}: {id} {} is {truth:?}",
+                                depth[pixel]
+                            ));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("{pixels} pixels, {faces} of them faces");
+    assert!(wrong.is_empty(), "{} wrong of {pixels}: {:#?}", wrong.len(), &wrong[..wrong.len().min(5)]);
+    assert!(faces > pixels / 50, "{faces} faces of {pixels}");
+}
+
+/// What planes do not reach yet is refused, so that no picture takes a cut sphere for a whole one.
+#[test]
+fn what_takes_spheres_for_whole_is_refused() {
+    let mut cut = spheres(1);
+    cut.cut(&[through([0.0, 0.0, 1.0], [0.0; 3])], None).expect("a plane");
+    let scene = oblique::scene(SIZE, [0.0, 0.0, 9.0], [0.0; 3], vfov(40.0), cut);
+    let plain = Settings { aovs: vec![Aov::Color], ..Settings::default() };
+    for (backend, mut renderer) in renderers() {
+        renderer.render(&scene, &plain).expect("a picture");
+        for (what, settings) in [
+            ("samples", Settings { samples: 4, ..plain.clone() }),
+            ("lines", Settings { silhouette: true, ..plain.clone() }),
+            ("fast", Settings { accuracy: Accuracy::Fast, ..plain.clone() }),
+            ("occlusion", Settings { aovs: vec![Aov::Occlusion], ..plain.clone() }),
+        ] {
+            let error = renderer.render(&scene, &settings).map(drop).expect_err(what).to_string();
+            assert!(error.contains("planes cut some spheres"), "{what}, {backend:?}: {error}");
+        }
+    }
+}
