@@ -8,6 +8,7 @@
 mod answer;
 pub(crate) mod binned;
 pub(crate) mod constants;
+pub(crate) mod cut;
 mod entry;
 pub(crate) mod general;
 pub(crate) mod general_lists;

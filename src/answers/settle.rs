@@ -4,11 +4,13 @@
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
+use crate::certify::cut::EyePlanes;
 use crate::exact::{Judge, Truth};
 use crate::number::vector::{LANES, vectorized};
-use crate::scene::{Scene, Spheres};
+use crate::scene::{Cuts, NumberedBall, Scene, Spheres};
 use crate::shade::{Shade, color_of};
 use crate::view::picture_rays::PictureRays;
+use crate::view::placement::Placement;
 use crate::view::ray::{NONE, UNSURE};
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
@@ -53,7 +55,8 @@ pub(crate) fn settle(
     unsure: &[u32],
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Settled>> {
-    let settler = Settler { scene, view, twin: Certify::new(&view.record, binned), go_on };
+    let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, cuts));
+    let settler = Settler { scene, view, twin: Certify::new(&view.record, binned), cuts, go_on };
     let mut settled = Vec::with_capacity(unsure.len());
     let most: Vec<usize> = parallel::map(unsure, |pixel| settler.most(*pixel));
     let mut left = unsure;
@@ -76,6 +79,8 @@ struct Settler<'a> {
     scene: &'a Scene,
     view: &'a View,
     twin: Certify<'a, f32>,
+    /// Where planes cut spheres.
+    cuts: Option<CutSettler<'a>>,
     go_on: &'a (dyn Fn() -> bool + Sync),
 }
 
@@ -110,7 +115,28 @@ impl Settler<'_> {
         lists
     }
 
+    /// Decides pixels: where planes cut spheres by f64 with bounds, and by the judge those that it leaves.
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
+        let Some(cuts) = &self.cuts else { return self.judged(pixels) };
+        let place = |pixel: u32| self.twin.view.position(pixel);
+        let found: Vec<Option<Settled>> = parallel::blocks(0..pixels.len(), PIXELS_PER_JOB, &|range, _| {
+            let (pixels, lists) = (&pixels[range.clone()], self.candidates(&pixels[range]));
+            let first = |(n, pixel): (usize, &u32)| {
+                let truth = cuts.first(place(*pixel), lists.of(n))?;
+                Some(Settled { pixel: *pixel, truth })
+            };
+            pixels.iter().enumerate().map(first).collect::<Vec<_>>()
+        })
+        .concat();
+        let left: Vec<u32> = pixels.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(n, _)| *n).collect();
+        let mut judged = self.judged(&left)?.into_iter().map(|settled| Settled {
+            truth: settled.truth.map(|truth| cuts.sharpened(place(settled.pixel), truth)),
+            ..settled
+        });
+        Ok(found.into_iter().filter_map(|found| found.or_else(|| judged.next())).collect())
+    }
+
+    fn judged(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let scene = self.scene;
         let mut lists: Vec<Lists> =
             parallel::blocks(0..pixels.len(), PIXELS_PER_JOB, &|range, _| self.candidates(&pixels[range]));
@@ -145,6 +171,48 @@ impl Settler<'_> {
         let jobs = (Rows { values: &mut settled, each: PIXELS_PER_JOB }, &mut lists[..]);
         parallel::fill(jobs, 1, &|_, (settled, lists)| decide(settled.values, &mut lists[0]));
         Ok(settled)
+    }
+}
+
+/// Decides pixels in f64 where planes cut spheres.
+struct CutSettler<'a> {
+    scene: &'a Scene,
+    view: &'a View,
+    cuts: &'a Cuts,
+    planes: EyePlanes,
+    placement: Placement,
+}
+
+impl<'a> CutSettler<'a> {
+    fn new(scene: &'a Scene, view: &'a View, cuts: &'a Cuts) -> Self {
+        let Spheres { centers, radii, .. } = &scene.spheres;
+        let (planes, placement) = (EyePlanes::new(cuts, view.basis.e), Placement::new(centers, radii));
+        Self { scene, view, cuts, planes, placement }
+    }
+
+    fn ball(&self, id: u32) -> NumberedBall {
+        NumberedBall { id, ball: self.scene.spheres.ball(id) }
+    }
+
+    /// The first hit among some spheres; `None` where f64 does not decide it, or not sharply enough.
+    fn first(&self, at: [u32; 2], ids: &[u32]) -> Option<Option<Truth>> {
+        let ray = self.planes.ray(self.view, &self.placement, at)?;
+        let balls = ids.iter().map(|id| (self.ball(*id), self.cuts.is_cut(*id)));
+        match ray.first(balls)? {
+            None => Some(None),
+            Some(hit) => ray.truth(&self.planes, self.view, at, hit).map(Some),
+        }
+    }
+
+    /// The numbers of f64 in place of those of the judge, where they are sharp enough: so they do not depend on the spheres that a pixel
+    /// was decided among.
+    fn sharpened(&self, at: [u32; 2], truth: Truth) -> Truth {
+        let own = || {
+            let (ray, ball) = (self.planes.ray(self.view, &self.placement, at)?, self.ball(truth.id));
+            let hit = ray.hit(ball, self.cuts.is_cut(truth.id)).filter(|hit| hit.root == truth.root)?;
+            ray.truth(&self.planes, self.view, at, (ball, hit))
+        };
+        own().unwrap_or(truth)
     }
 }
 

@@ -159,6 +159,16 @@ impl CertifiedRay {
         Self { offset, blur, tilt: tilt * SLACK, ..self }
     }
 
+    /// The start minus the origin, in the tree's unit.
+    pub(crate) fn offset(&self) -> [f64; 3] {
+        self.offset
+    }
+
+    /// A radius in the tree's unit.
+    pub(crate) fn radius(&self, radius: f64) -> f64 {
+        self.placement.radius(radius)
+    }
+
     /// The start in the tree's coordinates.
     #[inline(always)]
     pub(crate) fn placed(&self) -> [f64; 3] {

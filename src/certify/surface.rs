@@ -88,17 +88,23 @@ pub(crate) struct Shining {
     pub(crate) inside: Option<bool>,
 }
 
-impl SurfacePoint {
-    /// The hit of the viewing ray of row `i` and column `j` on this sphere, which it does hit. The point may be too blurred,
-    /// see [`Self::is_sharp`].
-    pub(crate) fn of_pixel(view: &View, placement: &Placement, [i, j]: [u32; 2], sphere: NumberedBall) -> Self {
+impl CertifiedRay {
+    /// The viewing ray of row `i` and column `j`.
+    pub(crate) fn of_pixel(view: &View, placement: &Placement, [i, j]: [u32; 2]) -> Self {
         let direction = view.to_world(view.direction(i, j)).to_array();
         let start = view.to_world(view.origin(i, j)).to_array().map(|x| placement.radius(x));
         let blur = START * dot3(start, start).sqrt();
         // The direction of a curved lens in f64 is its ray.
         let tilt = if view.curved.is_some() { 0.0 } else { DIRECTION };
-        let ray = CertifiedRay::new(placement, view.basis.e.to_array(), direction, f64::INFINITY)
-            .offset_by(start, blur, tilt);
+        Self::new(placement, view.basis.e.to_array(), direction, f64::INFINITY).offset_by(start, blur, tilt)
+    }
+}
+
+impl SurfacePoint {
+    /// The hit of the viewing ray of row `i` and column `j` on this sphere, which it does hit. The point may be too blurred,
+    /// see [`Self::is_sharp`].
+    pub(crate) fn of_pixel(view: &View, placement: &Placement, [i, j]: [u32; 2], sphere: NumberedBall) -> Self {
+        let ray = CertifiedRay::of_pixel(view, placement, [i, j]);
         match ray.intersect(sphere.ball) {
             Some(bounds) => Self::met(&ray, &bounds, sphere),
             None => {

@@ -1,0 +1,287 @@
+//! The hits of cut spheres in f64, with bounds: for most pixels they decide what the judge would, at a hundredth of its time.
+//! docs/certificate.md, "Cut spheres", derives the bounds.
+
+use super::given::{CertifiedRay, EPS};
+use crate::double_double as dd;
+use crate::dyadic::{self, Dyadic};
+use crate::exact::{Root, Truth};
+use crate::scene::{Ball, Cuts, NumberedBall};
+use crate::view::View;
+use crate::view::placement::Placement;
+use crate::view::ray::dot3;
+use glam::DVec3;
+
+/// The largest relative error of a t, and the largest error of a normal as an angle, of an answer that is given in f64.
+const SHARP: f64 = 1.0 / (1u64 << 40) as f64;
+const TURNED: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// Room for the few roundings of the bounds themselves, and for products of two errors.
+const ROUNDED: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
+
+/// The planes as the rays of one eye pass them.
+pub(crate) struct EyePlanes {
+    planes: Vec<EyePlane>,
+}
+
+/// N, its length, and D - N.e, rounded from its exact value.
+struct EyePlane {
+    normal: [f64; 3],
+    length: f64,
+    gap: f64,
+}
+
+/// The least and the largest t that a number may have.
+#[derive(Debug, Clone, Copy)]
+struct Between([f64; 2]);
+
+impl Between {
+    /// Whether it is certainly below another.
+    fn is_below(self, other: Self) -> bool {
+        self.0[1] < other.0[0]
+    }
+
+    fn middle(self) -> f64 {
+        0.5 * (self.0[0] + self.0[1])
+    }
+}
+
+/// A ray, and the part of it that the planes keep.
+pub(crate) struct CutRay {
+    ray: CertifiedRay,
+    /// The place of the plane through which it enters, and its index; `None` where it begins in the kept part.
+    entry: Option<(Between, usize)>,
+    exit: Option<Between>,
+    /// Whether the planes keep nothing of it.
+    is_empty: bool,
+}
+
+/// A hit of a sphere, if f64 is certain of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct CutHit {
+    t: Between,
+    pub(crate) root: Root,
+}
+
+/// The answer for one sphere.
+enum Answer {
+    Miss,
+    Hit(CutHit),
+    /// Not below this t.
+    Unsure(f64),
+}
+
+impl EyePlanes {
+    pub(crate) fn new(cuts: &Cuts, eye: DVec3) -> Self {
+        let eye = dyadic::vector(eye.to_array());
+        let plane = |plane: &crate::scene::CutPlane| {
+            let gap = &Dyadic::of(plane.distance) - &dyadic::dot(&dyadic::vector(plane.normal), &eye);
+            // A power of two brings any length into range.
+            let k = dd::exponent(plane.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
+            let normal = plane.normal.map(|x| dd::ldexp(x, -k));
+            EyePlane { normal, length: dot3(normal, normal).sqrt(), gap: gap.ldexp(-i64::from(k)).to_f64() }
+        };
+        Self { planes: cuts.planes.iter().map(plane).collect() }
+    }
+
+    /// The normal of a plane, of length 1.
+    fn normal(&self, plane: usize) -> [f64; 3] {
+        let EyePlane { normal, length, .. } = &self.planes[plane];
+        normal.map(|x| x / length)
+    }
+
+    /// The viewing ray of row `i` and column `j`; `None` where f64 does not tell which part of it is kept.
+    pub(crate) fn ray(&self, view: &View, placement: &Placement, at: [u32; 2]) -> Option<CutRay> {
+        let ray = CertifiedRay::of_pixel(view, placement, at);
+        let mut found = CutRay { ray, entry: None, exit: None, is_empty: false };
+        let (offset, d) = (found.ray.offset(), found.ray.direction);
+        let away = dot3(offset, offset).sqrt();
+        // All spheres are within [-1, 1] in each coordinate, and a direction is at least 1 long.
+        let start = found.ray.placed();
+        let reach = (dot3(start, start).sqrt() + 4.0) * ROUNDED;
+        for (index, EyePlane { normal, length, gap }) in self.planes.iter().enumerate() {
+            let gap = placement.radius(*gap);
+            let (num, den) = (gap - dot3(*normal, offset), dot3(*normal, d));
+            // One rounding of the gap and two of its place, four of the product and the difference; a direction is at most 4 long.
+            let num_error = (3.0 * EPS * gap.abs() + length * (6.0 * EPS * away + found.ray.blur)) * ROUNDED;
+            let den_error = 4.0 * length * (4.0 * EPS + found.ray.tilt) * ROUNDED;
+            // A plane that no part of the ray within reach of the spheres passes, such as one along parallel rays.
+            if (den.abs() + den_error) * reach < num.abs() - num_error {
+                found.is_empty |= num < 0.0;
+                continue;
+            }
+            if !(num.is_finite() && den.abs() > den_error) {
+                return None;
+            }
+            if gap == 0.0 && offset == [0.0; 3] {
+                // The eye is exactly on the plane.
+                found.is_empty |= den > 0.0;
+                continue;
+            }
+            let ends = [num - num_error, num + num_error].map(|num| num / den);
+            let wider = |x: f64| x.abs() * (2.0 * den_error / den.abs() + 4.0 * EPS) * ROUNDED;
+            let [low, high] = if den > 0.0 { ends } else { [ends[1], ends[0]] };
+            let place = Between([low - wider(low), high + wider(high)]);
+            let zero = Between([0.0; 2]);
+            if den > 0.0 {
+                // A plane that the ray leaves through behind its origin.
+                found.is_empty |= place.is_below(zero);
+                found.exit = match found.exit {
+                    Some(exit) if exit.is_below(place) => Some(exit),
+                    Some(exit) if !place.is_below(exit) => return None,
+                    _ => Some(place),
+                };
+            } else if !place.is_below(zero) {
+                if !zero.is_below(place) {
+                    return None;
+                }
+                found.entry = match found.entry {
+                    Some((entry, plane)) if place.is_below(entry) => Some((entry, plane)),
+                    // The first of equal planes.
+                    Some((entry, _)) if !entry.is_below(place) => return None,
+                    _ => Some((place, index)),
+                };
+            }
+        }
+        let start = found.entry.map_or(Between([0.0; 2]), |(entry, _)| entry);
+        match found.exit {
+            _ if found.is_empty => {}
+            Some(exit) if exit.is_below(start) => found.is_empty = true,
+            Some(exit) if !start.is_below(exit) => return None,
+            _ => {}
+        }
+        Some(found)
+    }
+}
+
+impl CutRay {
+    /// The hit of a sphere, which planes may cut.
+    fn meet(&self, ball: Ball, is_cut: bool) -> Answer {
+        let Some(bounds) = self.ray.intersect(ball) else { return Answer::Miss };
+        let root = Between([bounds.low, bounds.high]);
+        let kind = if bounds.outside { Root::Near } else { Root::Far };
+        if !is_cut {
+            return if bounds.sure { Answer::Hit(CutHit { t: root, root: kind }) } else { Answer::Unsure(bounds.low) };
+        }
+        if self.is_empty {
+            return Answer::Miss;
+        }
+        let before_exit = |hit: Between| match self.exit {
+            None => Answer::Hit(CutHit { t: hit, root: kind }),
+            Some(exit) if hit.is_below(exit) => Answer::Hit(CutHit { t: hit, root: kind }),
+            Some(exit) if exit.is_below(hit) => Answer::Miss,
+            Some(_) => Answer::Unsure(bounds.low),
+        };
+        let Some((entry, _)) = self.entry else {
+            return if bounds.sure { before_exit(root) } else { Answer::Unsure(bounds.low) };
+        };
+        if bounds.sure && bounds.outside && entry.is_below(root) {
+            return before_exit(root);
+        }
+        match self.side(entry, ball) {
+            Some(true) => Answer::Hit(CutHit { t: entry, root: Root::Face }),
+            // The plane is beyond the sphere where it is not before it.
+            Some(false) if bounds.sure && (!bounds.outside || root.is_below(entry)) => Answer::Miss,
+            // From inside the ray may meet the plane before the far root, which these bounds are of.
+            _ if bounds.outside => Answer::Unsure(entry.0[0].max(bounds.low)),
+            _ => Answer::Unsure(entry.0[0]),
+        }
+    }
+
+    /// Whether the place on the plane is inside of a ball; `None` where f64 does not tell.
+    fn side(&self, entry: Between, ball: Ball) -> Option<bool> {
+        let CertifiedRay { direction, tilt, blur, .. } = self.ray;
+        let (p, r, t) = (self.ray.to(ball.center), self.ray.radius(ball.radius), entry.middle());
+        let away: [f64; 3] = std::array::from_fn(|n| t * direction[n] - p[n]);
+        let (distance, size) = (dot3(away, away).sqrt(), dot3(p, p).sqrt());
+        // The place on the ray, its direction, the start, and a few roundings of t d, p and their difference.
+        let error =
+            (4.0 * (entry.0[1] - entry.0[0] + t * (tilt + 8.0 * EPS)) + blur + 8.0 * EPS * (size + distance)) * ROUNDED;
+        (distance.is_finite() && (distance - r).abs() > error).then_some(distance < r)
+    }
+
+    /// The first hit among some spheres: `None` where f64 does not decide, `Some(None)` for a certain miss.
+    pub(crate) fn first(
+        &self,
+        balls: impl Iterator<Item = (NumberedBall, bool)>,
+    ) -> Option<Option<(NumberedBall, CutHit)>> {
+        let (mut best, mut least): (Option<(NumberedBall, CutHit)>, f64) = (None, f64::INFINITY);
+        // The next t that is not that of the best, or its lower bound.
+        let mut second = f64::INFINITY;
+        for (ball, is_cut) in balls {
+            let hit = match self.meet(ball.ball, is_cut) {
+                Answer::Miss => continue,
+                Answer::Unsure(low) => {
+                    second = second.min(low);
+                    continue;
+                }
+                Answer::Hit(hit) => hit,
+            };
+            let low = hit.t.0[0];
+            match best {
+                // Faces are all at one place, where the smaller sphere shows it, then the lower index.
+                Some((other, old)) if hit.root == Root::Face && old.root == Root::Face => {
+                    let key = |ball: NumberedBall| (ball.ball.radius, ball.id);
+                    if key(ball) < key(other) {
+                        best = Some((ball, hit));
+                    }
+                }
+                Some(_) if low >= least => second = second.min(low),
+                _ => {
+                    second = second.min(least);
+                    (best, least) = (Some((ball, hit)), low);
+                }
+            }
+        }
+        match best {
+            None => (second == f64::INFINITY).then_some(None),
+            Some((_, hit)) => (hit.t.0[1] < second).then_some(best),
+        }
+    }
+
+    /// The answer for a hit that is sharp enough; else `None`.
+    pub(crate) fn truth(
+        &self,
+        planes: &EyePlanes,
+        view: &View,
+        at: [u32; 2],
+        (ball, hit): (NumberedBall, CutHit),
+    ) -> Option<Truth> {
+        let [low, high] = hit.t.0;
+        let (t, length) = (hit.t.middle(), self.ray.a.sqrt());
+        if !(low > 0.0 && high - low < SHARP * low) {
+            return None;
+        }
+        let (normal, turn) = match (hit.root, self.entry) {
+            (Root::Face, Some((_, plane))) => (planes.normal(plane), 0.0),
+            _ => {
+                let p = self.ray.to(ball.ball.center);
+                let outward: [f64; 3] = std::array::from_fn(|n| t * self.ray.direction[n] - p[n]);
+                let size = dot3(outward, outward).sqrt();
+                let sign = if hit.root == Root::Near { 1.0 / size } else { -1.0 / size };
+                let error = (high - low) * length
+                    + 8.0 * EPS * (t * length + dot3(p, p).sqrt())
+                    + self.ray.blur
+                    + self.ray.tilt * t * length;
+                (outward.map(|x| x * sign), 2.0 * error / self.ray.radius(ball.ball.radius))
+            }
+        };
+        if turn.is_nan() || turn >= TURNED {
+            return None;
+        }
+        let t = dd::ldexp(t, self.ray.shift);
+        let direction = view.direction(at[0], at[1]);
+        let position = view.point(view.origin(at[0], at[1]), direction, t);
+        let depth = -direction[2] * t;
+        let distance = t * DVec3::from_array(direction).length();
+        let is_finite = position.iter().chain([&t, &depth, &distance]).all(|x| x.is_finite());
+        is_finite.then_some(Truth { id: ball.id, root: hit.root, t, distance, depth, normal, position, tangent: false })
+    }
+
+    /// The hit of one sphere, if f64 is certain of it.
+    pub(crate) fn hit(&self, ball: NumberedBall, is_cut: bool) -> Option<CutHit> {
+        match self.meet(ball.ball, is_cut) {
+            Answer::Hit(hit) => Some(hit),
+            Answer::Miss | Answer::Unsure(_) => None,
+        }
+    }
+}
