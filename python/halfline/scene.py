@@ -104,7 +104,9 @@ class Scene:
             self._source: Source | None = None
             return
         if map is not None or range is not None or legend_title is not None:
-            raise ValueError("map, range and legend_title are of values; give values, or none of them")
+            raise ValueError(
+                "map, range and legend_title are of values; give values, or none of them"
+            )
         rows = None if colors is None else _rows(colors, count)
         shares = None
         alpha = _alpha(colors)

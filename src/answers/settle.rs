@@ -79,7 +79,7 @@ struct Settler<'a> {
     scene: &'a Scene,
     view: &'a View,
     twin: Certify<'a, f32>,
-    /// Where planes cut spheres.
+    /// The decisions in f64, in a scene whose spheres planes cut.
     cuts: Option<CutSettler<'a>>,
     go_on: &'a (dyn Fn() -> bool + Sync),
 }

@@ -155,7 +155,7 @@ impl EyePlanes {
 
 impl CutRay {
     /// The hit of a sphere, which planes may cut.
-    fn meet(&self, ball: Ball, is_cut: bool) -> Answer {
+    fn hit_of(&self, ball: Ball, is_cut: bool) -> Answer {
         let Some(bounds) = self.ray.intersect(ball) else { return Answer::Miss };
         let root = Between([bounds.low, bounds.high]);
         let kind = if bounds.outside { Root::Near } else { Root::Far };
@@ -208,7 +208,7 @@ impl CutRay {
         // The next t that is not that of the best, or its lower bound.
         let mut second = f64::INFINITY;
         for (ball, is_cut) in balls {
-            let hit = match self.meet(ball.ball, is_cut) {
+            let hit = match self.hit_of(ball.ball, is_cut) {
                 Answer::Miss => continue,
                 Answer::Unsure(low) => {
                     second = second.min(low);
@@ -279,7 +279,7 @@ impl CutRay {
 
     /// The hit of one sphere, if f64 is certain of it.
     pub(crate) fn hit(&self, ball: NumberedBall, is_cut: bool) -> Option<CutHit> {
-        match self.meet(ball.ball, is_cut) {
+        match self.hit_of(ball.ball, is_cut) {
             Answer::Hit(hit) => Some(hit),
             Answer::Miss | Answer::Unsure(_) => None,
         }

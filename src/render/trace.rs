@@ -104,7 +104,7 @@ impl<'a> Tracer<'a> {
     /// the promised relative error, the normal within 1e-3 rad.
     ///
     /// # Errors
-    /// [`Error::Settings`](crate::Error::Settings) for invalid rays, [`Error::Interrupted`](crate::Error::Interrupted), and errors of the device.
+    /// [`Error::Settings`] for invalid rays, [`Error::Interrupted`], and errors of the device.
     pub fn hits(&mut self, rays: &Rays) -> Result<Hits> {
         rays.check()?;
         self.answered(|this| this.answers(rays)).map(|(hits, _)| hits)
@@ -225,7 +225,7 @@ impl Renderer {
     /// fast.
     ///
     /// # Errors
-    /// [`Error::Scene`](crate::Error::Scene) for invalid spheres, [`Error::Settings`](crate::Error::Settings) for a contradiction, [`Error::Limits`](crate::Error::Limits) for more spheres
+    /// [`Error::Scene`] for invalid spheres, [`Error::Settings`] for a contradiction, [`Error::Limits`] for more spheres
     /// than a method tests in useful time.
     pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
         spheres.check()?;

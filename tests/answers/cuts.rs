@@ -117,7 +117,7 @@ fn pixels_of_cut_spheres_are_those_of_the_judge() {
     assert!(faces > pixels / 10, "{faces} faces of {pixels}");
 }
 
-/// What planes do not reach yet is refused, so that no picture takes a cut sphere for a whole one.
+/// A picture that would take a cut sphere for a whole one is refused.
 #[test]
 fn what_takes_spheres_for_whole_is_refused() {
     let mut cut = spheres(1, [0.0; 3]);

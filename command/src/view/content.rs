@@ -403,6 +403,7 @@ mod tests {
                 of: (0..50).map(|n| n % 2).collect::<Vec<_>>().into(),
             }),
             opacities: Some((0..50).map(|n| (n + 1) as f32 / 50.0).collect::<Vec<_>>().into()),
+            cuts: None,
         };
         let light =
             Light { source: LightSource::Direction([1.0, 2.0, 0.1].into()), color: [1.0, 0.5, 0.25], intensity: 0.3 };
