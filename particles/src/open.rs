@@ -85,6 +85,10 @@ fn scene_of_several(format: Format, path: &Path) -> Error {
 
 /// Refuses what needs all atoms of an assembly.
 fn check_operators(options: &ParticleOptions) -> Result<()> {
+    if !options.added.is_empty() {
+        let problem = format!("{STREAM}: {ADD} needs all atoms of an assembly in memory");
+        return Err(Error::settings(problem, format!("remove {ADD}, or {STREAM}")));
+    }
     if options.all_selections().next().is_none() {
         return Ok(());
     }
@@ -245,6 +249,9 @@ mod tests {
         };
         let error = open(&options).expect_err("a selection").to_string();
         assert!(error.contains("selections need all atoms"), "{error}");
-        open(&ParticleOptions { select: Vec::new(), ..options }).expect("no selection");
+        open(&ParticleOptions { select: Vec::new(), ..options.clone() }).expect("no selection");
+        let added = ParticleOptions { select: Vec::new(), added: vec!["b.pdb".into()], ..options };
+        let error = open(&added).expect_err("another file").to_string();
+        assert!(error.contains("needs all atoms"), "{error}");
     }
 }

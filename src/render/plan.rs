@@ -100,7 +100,7 @@ impl Plan {
             return Ok(());
         }
         let problem = "planes cut some spheres, which have buffers and plain colours alone";
-        let mend = format!("use {LOOK} plain, one of {SAMPLES}, and a camera without a curved lens");
+        let mend = format!("use {LOOK} plain, {SAMPLES} 1 and a lens without coefficients");
         Err(Error::settings(problem, mend))
     }
 

@@ -134,6 +134,10 @@ fn united<'a>(mut frames: Vec<Particles>, names: &[&str], paths: impl Iterator<I
     for (number, (frame, path)) in frames.iter_mut().zip(paths).enumerate() {
         // Numbers of colours mean what those of their own file say.
         frame.lighten();
+        if frame.column(FILE).is_some() {
+            let words = format!("the column {FILE} has the names of the files, not those of the column of this file");
+            frame.skipped.assumed.push(words);
+        }
         for message in &mut frame.skipped.assumed {
             *message = format!("{}: {message}", names[number]);
         }
