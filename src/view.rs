@@ -12,6 +12,7 @@ pub(crate) mod given;
 mod moved;
 pub(crate) mod picture_rays;
 pub(crate) mod placement;
+pub(crate) mod planes;
 pub(crate) mod raster;
 pub mod ray;
 mod records;

@@ -61,7 +61,7 @@ impl Finish {
 /// The planar depth of each pixel's hit in the scene's unit, +inf on a miss.
 fn depths(scene: &Scene, view: &View, ids: &[u32]) -> Vec<f64> {
     const BLOCK: usize = 1 << 10;
-    let (rays, mut depths) = (PictureRays::new(view), vec![0.0; ids.len()]);
+    let (rays, mut depths) = (PictureRays::new(view, scene.spheres.cuts.as_ref()), vec![0.0; ids.len()]);
     parallel::fill(&mut depths[..], BLOCK, &|pixels, depths| {
         rays.depths(pixels.start as u32, &ids[pixels], &scene.spheres, depths);
     });

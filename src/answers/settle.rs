@@ -4,13 +4,14 @@
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
-use crate::certify::cut::EyePlanes;
+use crate::certify::cut::CutRay;
 use crate::exact::{Judge, Truth};
 use crate::number::vector::{LANES, vectorized};
 use crate::scene::{Cuts, NumberedBall, Scene, Spheres};
 use crate::shade::{Shade, color_of};
 use crate::view::picture_rays::PictureRays;
 use crate::view::placement::Placement;
+use crate::view::planes::EyePlanes;
 use crate::view::ray::{NONE, UNSURE};
 use crate::view::{View, ViewRecord};
 use glam::DVec3;
@@ -196,7 +197,7 @@ impl<'a> CutSettler<'a> {
 
     /// The first hit among some spheres; `None` where f64 does not decide it, or not sharply enough.
     fn first(&self, at: [u32; 2], ids: &[u32]) -> Option<Option<Truth>> {
-        let ray = self.planes.ray(self.view, &self.placement, at)?;
+        let ray = CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?;
         let balls = ids.iter().map(|id| (self.ball(*id), self.cuts.is_cut(*id)));
         match ray.first(balls)? {
             None => Some(None),
@@ -208,7 +209,7 @@ impl<'a> CutSettler<'a> {
     /// was decided among.
     fn sharpened(&self, at: [u32; 2], truth: Truth) -> Truth {
         let own = || {
-            let (ray, ball) = (self.planes.ray(self.view, &self.placement, at)?, self.ball(truth.id));
+            let (ray, ball) = (CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?, self.ball(truth.id));
             let hit = ray.hit(ball, self.cuts.is_cut(truth.id)).filter(|hit| hit.root == truth.root)?;
             ray.truth(&self.planes, self.view, at, (ball, hit))
         };
@@ -358,7 +359,8 @@ pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled
 /// # Errors
 /// Errors of [`View::judge`], and [`crate::Error::Limits`] where memory is short.
 pub(crate) fn shade_all(shade: Shade, scene: &Scene, view: &View, ids: &[u32], pool: &Pool) -> Result<Vec<f32>> {
-    let (rays, spheres, judge) = (PictureRays::new(view), &scene.spheres, view.judge(&scene.bare())?);
+    let (rays, spheres, judge) =
+        (PictureRays::new(view, scene.spheres.cuts.as_ref()), &scene.spheres, view.judge(&scene.bare())?);
     let mut color = pool.values(3 * ids.len())?;
     parallel::each(color.as_chunks_mut().0, |pixel, rgb: &mut [f32; 3]| {
         let id = ids[pixel];
@@ -368,7 +370,7 @@ pub(crate) fn shade_all(shade: Shade, scene: &Scene, view: &View, ids: &[u32], p
         }
         let own = color_of(spheres.colors.as_deref(), id);
         let ball = spheres.ball(id);
-        let hit = rays.hit(pixel as u32, ball.center, ball.radius);
+        let hit = rays.hit(pixel as u32, ball, spheres.is_cut(id));
         let exact = || {
             let [row, column] = view.record.position(pixel as u32);
             judge.hit_of(row, column, ball).map(|truth| DVec3::from_array(truth.normal))

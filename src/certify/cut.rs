@@ -3,11 +3,11 @@
 
 use super::given::{CertifiedRay, EPS};
 use crate::double_double as dd;
-use crate::dyadic::{self, Dyadic};
 use crate::exact::{Root, Truth};
-use crate::scene::{Ball, Cuts, NumberedBall};
+use crate::scene::{Ball, NumberedBall};
 use crate::view::View;
 use crate::view::placement::Placement;
+use crate::view::planes::{EyePlane, EyePlanes};
 use crate::view::ray::dot3;
 use glam::DVec3;
 
@@ -17,18 +17,6 @@ const TURNED: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// Room for the few roundings of the bounds themselves, and for products of two errors.
 const ROUNDED: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
-
-/// The planes as the rays of one eye pass them.
-pub(crate) struct EyePlanes {
-    planes: Vec<EyePlane>,
-}
-
-/// N, its length, and D - N.e, rounded from its exact value.
-struct EyePlane {
-    normal: [f64; 3],
-    length: f64,
-    gap: f64,
-}
 
 /// The least and the largest t that a number may have.
 #[derive(Debug, Clone, Copy)]
@@ -70,35 +58,17 @@ enum Answer {
     Unsure(f64),
 }
 
-impl EyePlanes {
-    pub(crate) fn new(cuts: &Cuts, eye: DVec3) -> Self {
-        let eye = dyadic::vector(eye.to_array());
-        let plane = |plane: &crate::scene::CutPlane| {
-            let gap = &Dyadic::of(plane.distance) - &dyadic::dot(&dyadic::vector(plane.normal), &eye);
-            // A power of two brings any length into range.
-            let k = dd::exponent(plane.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
-            let normal = plane.normal.map(|x| dd::ldexp(x, -k));
-            EyePlane { normal, length: dot3(normal, normal).sqrt(), gap: gap.ldexp(-i64::from(k)).to_f64() }
-        };
-        Self { planes: cuts.planes.iter().map(plane).collect() }
-    }
-
-    /// The normal of a plane, of length 1.
-    fn normal(&self, plane: usize) -> [f64; 3] {
-        let EyePlane { normal, length, .. } = &self.planes[plane];
-        normal.map(|x| x / length)
-    }
-
+impl CutRay {
     /// The viewing ray of row `i` and column `j`; `None` where f64 does not tell which part of it is kept.
-    pub(crate) fn ray(&self, view: &View, placement: &Placement, at: [u32; 2]) -> Option<CutRay> {
+    pub(crate) fn of_pixel(planes: &EyePlanes, view: &View, placement: &Placement, at: [u32; 2]) -> Option<Self> {
         let ray = CertifiedRay::of_pixel(view, placement, at);
-        let mut found = CutRay { ray, entry: None, exit: None, is_empty: false };
+        let mut found = Self { ray, entry: None, exit: None, is_empty: false };
         let (offset, d) = (found.ray.offset(), found.ray.direction);
         let away = dot3(offset, offset).sqrt();
         // All spheres are within [-1, 1] in each coordinate, and a direction is at least 1 long.
         let start = found.ray.placed();
         let reach = (dot3(start, start).sqrt() + 4.0) * ROUNDED;
-        for (index, EyePlane { normal, length, gap }) in self.planes.iter().enumerate() {
+        for (index, EyePlane { normal, length, gap }) in planes.iter().enumerate() {
             let gap = placement.radius(*gap);
             let (num, den) = (gap - dot3(*normal, offset), dot3(*normal, d));
             // One rounding of the gap and two of its place, four of the product and the difference; a direction is at most 4 long.
@@ -151,9 +121,7 @@ impl EyePlanes {
         }
         Some(found)
     }
-}
 
-impl CutRay {
     /// The hit of a sphere, which planes may cut.
     fn hit_of(&self, ball: Ball, is_cut: bool) -> Answer {
         let Some(bounds) = self.ray.intersect(ball) else { return Answer::Miss };

@@ -11,13 +11,13 @@ use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
 use crate::kernel::{Certificate, Kernel, Task, Unproved};
-use crate::scene::Scene;
 use crate::scene::camera::{CURVED, Lens};
+use crate::scene::{Lighting, Scene};
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use choose::Choice;
 use halfline_ground::error::{Error, Result};
-use halfline_ground::quote::setting::{ACCURACY, APERTURE, LOOK, METHOD, SAMPLES};
+use halfline_ground::quote::setting::{ACCURACY, APERTURE, LOOK, METHOD, OCCLUSION, OPACITY, SHADOWS};
 use kind::EngineKind;
 
 /// The decisions for one scene and its settings, with their reasons.
@@ -93,14 +93,18 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Refuses what planes that cut spheres do not reach yet: passes that find hits again from ids, and given rays.
+    /// Refuses what planes that cut spheres do not reach yet: given rays, layers, and rays from hits.
     fn check_cuts(&self, scene: &Scene) -> Result<()> {
-        let is_plain = self.sampled.is_none() && self.given.is_none() && !self.light_outputs.is_any();
-        if scene.spheres.cuts.is_none() || is_plain {
+        let LightOutputs { color, shadow, occlusion, sky, .. } = self.light_outputs;
+        let Lighting { lights, shadows, sky: own_sky, .. } = &scene.lighting;
+        let has_near = lights.iter().any(|light| light.source.far().is_none());
+        let traces = color && (*shadows || own_sky.is_some() || has_near || lights::bounces(scene) > 0);
+        let is_fit = self.given.is_none() && !self.see_through && !(shadow || occlusion || sky || traces);
+        if scene.spheres.cuts.is_none() || is_fit {
             return Ok(());
         }
-        let problem = "planes cut some spheres, which have buffers and plain colours alone";
-        let mend = format!("use {LOOK} plain, {SAMPLES} 1 and a lens without coefficients");
+        let problem = "planes cut some spheres, which no ray from a hit, no layer and no curved lens takes for cut yet";
+        let mend = format!("use {LOOK} plain, without {SHADOWS}, {OCCLUSION}, {OPACITY}, mirrors and a curved lens");
         Err(Error::settings(problem, mend))
     }
 

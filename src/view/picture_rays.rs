@@ -1,11 +1,12 @@
 //! Hits of viewing rays on spheres, in f64 without bounds: accurate enough for the colours and lines of a picture.
 
+use super::planes::{EyePlane, EyePlanes};
 use super::ray::NONE;
 use super::records::ViewRecord;
 use super::{RayKind, View};
 use crate::double_double as dd;
 use crate::number::vector::{LANES, vectorized};
-use crate::scene::Spheres;
+use crate::scene::{Ball, Cuts, Spheres};
 use glam::DVec3;
 
 /// The distance, in radii, beyond which f64 does not give a sphere's normals to seven digits.
@@ -20,6 +21,8 @@ pub(crate) struct PictureRays<'a> {
     view: &'a View,
     /// The factor from the scene's unit to the frame's, in which squares neither overflow nor vanish.
     scale: f64,
+    /// The planes that cut spheres.
+    planes: Option<EyePlanes>,
 }
 
 /// The hit of a viewing ray on a sphere.
@@ -44,13 +47,15 @@ pub(crate) struct PictureHit {
 pub(crate) struct ShownBalls {
     position: [[u32; LANES]; 2],
     ball: [[f64; LANES]; 4],
+    /// Whether planes cut them.
+    is_cut: [bool; LANES],
 }
 
 impl ShownBalls {
     /// The spheres of the pixels from `first` on, at most [`LANES`] of these.
     #[inline(always)]
     pub(crate) fn of_run(record: &ViewRecord, first: u32, ids: &[u32], spheres: &Spheres) -> Self {
-        let mut shown = Self { position: record.positions(first), ball: [[0.0; LANES]; 4] };
+        let mut shown = Self { position: record.positions(first), ball: [[0.0; LANES]; 4], is_cut: [false; LANES] };
         for (l, id) in ids.iter().take(LANES).enumerate().filter(|(_, id)| **id != NONE) {
             shown.show(l, spheres, *id);
         }
@@ -60,7 +65,7 @@ impl ShownBalls {
     /// The spheres of some pixels of the window, whose `ids` are of all its pixels: at least one of them, at most [`LANES`].
     #[inline(always)]
     pub(crate) fn of_some(record: &ViewRecord, pixels: &[u32], ids: &[u32], spheres: &Spheres) -> Self {
-        let mut shown = Self { position: [[0; LANES]; 2], ball: [[0.0; LANES]; 4] };
+        let mut shown = Self { position: [[0; LANES]; 2], ball: [[0.0; LANES]; 4], is_cut: [false; LANES] };
         for l in 0..LANES {
             // Lanes beyond the last pixel repeat it.
             let pixel = pixels[l.min(pixels.len() - 1)];
@@ -74,6 +79,7 @@ impl ShownBalls {
     fn show(&mut self, l: usize, spheres: &Spheres, id: u32) {
         let [x, y, z] = spheres.centers[id as usize];
         [self.ball[0][l], self.ball[1][l], self.ball[2][l], self.ball[3][l]] = [x, y, z, spheres.radii[id as usize]];
+        self.is_cut[l] = spheres.is_cut(id);
     }
 
     #[inline(always)]
@@ -106,22 +112,53 @@ pub(crate) struct PictureHits {
 }
 
 impl<'a> PictureRays<'a> {
-    pub(crate) fn new(view: &'a View) -> Self {
-        Self { view, scale: dd::ldexp(1.0, -view.unit) }
+    /// The rays of a view to spheres that planes may cut.
+    pub(crate) fn new(view: &'a View, cuts: Option<&Cuts>) -> Self {
+        let planes = cuts.map(|cuts| EyePlanes::new(cuts, view.basis.e));
+        Self { view, scale: dd::ldexp(1.0, -view.unit), planes }
     }
 
     /// The hit of this pixel's viewing ray on a sphere. Where the ray passes beside the sphere in f64, the point of the
     /// sphere that is nearest to the ray is the hit.
     #[inline(always)]
-    pub(crate) fn hit(&self, pixel: u32, center: [f64; 3], radius: f64) -> PictureHit {
-        self.hit_at(self.view.kind(), self.view.record.position(pixel), center, radius)
+    pub(crate) fn hit(&self, pixel: u32, Ball { center, radius }: Ball, is_cut: bool) -> PictureHit {
+        let (kind, position) = (self.view.kind(), self.view.record.position(pixel));
+        let hit = self.hit_at(kind, position, center, radius);
+        if is_cut { self.on_face(kind, position, center, hit) } else { hit }
+    }
+
+    /// The hit of a cut sphere, whose hit as a whole one is `hit`: on the plane through which the ray enters what is kept, unless the
+    /// sphere comes after that.
+    fn on_face(&self, kind: RayKind, position: [u32; 2], center: [f64; 3], hit: PictureHit) -> PictureHit {
+        let Some(planes) = &self.planes else { return hit };
+        let Meeting { forward, d, from, .. } = self.meeting(kind, position, center, 0.0);
+        let mut entry: Option<(f64, usize)> = None;
+        for (n, EyePlane { normal, gap, .. }) in planes.iter().enumerate() {
+            let normal = DVec3::from_array(*normal);
+            let (along, t) = (normal.dot(d), (gap * self.scale - normal.dot(from)) / normal.dot(d));
+            if along < 0.0 && t > 0.0 && entry.is_none_or(|(last, _)| t > last) {
+                entry = Some((t, n));
+            }
+        }
+        match entry {
+            Some((t, plane)) if !hit.outside || hit.depth < forward * t => PictureHit {
+                normal: DVec3::from_array(planes.normal(plane)),
+                outside: true,
+                near: true,
+                sharp: true,
+                depth: forward * t,
+                ..hit
+            },
+            _ => hit,
+        }
     }
 
     /// The hit for a row and a column of the view's frame. It has no branches where `kind`, that of the view, is a constant, so that
     /// compilers make vectors of loops over it.
     #[inline(always)]
     pub(crate) fn hit_at(&self, kind: RayKind, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
-        let Meeting { forward, d, p, r, a, p2, disc, far2, outside, t } = self.meeting(kind, position, center, radius);
+        let Meeting { forward, d, p, r, a, p2, disc, far2, outside, t, .. } =
+            self.meeting(kind, position, center, radius);
         let outward = (d * t - p).normalize_or(-d);
         PictureHit {
             along: d / a.sqrt(),
@@ -149,6 +186,14 @@ impl<'a> PictureRays<'a> {
         let mut hits = PictureHits { normal, facing, outside: none, near: none, sharp: none, depth };
         for l in 0..LANES {
             let hit = self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l));
+            (hits.normal[0][l], hits.normal[1][l], hits.normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
+            hits.facing[l] = -hit.along.dot(hit.normal);
+            hits.depth[l] = hit.depth;
+            (hits.outside[l], hits.near[l], hits.sharp[l]) = (hit.outside.into(), hit.near.into(), hit.sharp.into());
+        }
+        for l in (0..LANES).filter(|l| shown.is_cut[*l]) {
+            let hit = self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l));
+            let hit = self.on_face(kind, shown.position(l), shown.center(l), hit);
             (hits.normal[0][l], hits.normal[1][l], hits.normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
             hits.facing[l] = -hit.along.dot(hit.normal);
             hits.depth[l] = hit.depth;
@@ -203,10 +248,10 @@ impl<'a> PictureRays<'a> {
         };
         let d = view.to_world(direction);
         let mut p = (DVec3::from_array(center) - view.basis.e) * self.scale;
-        let mut lengths2 = 0.0;
+        let (mut lengths2, mut from) = (0.0, DVec3::ZERO);
         if kind == RayKind::Parallel {
-            let origin = view.to_world(view.origin(i, j)) * self.scale;
-            (p, lengths2) = (p - origin, p.length_squared() + origin.length_squared());
+            from = view.to_world(view.origin(i, j)) * self.scale;
+            (p, lengths2) = (p - from, p.length_squared() + from.length_squared());
         }
         let r = radius * self.scale;
         let (a, b, p2) = (d.length_squared(), p.dot(d), p.length_squared());
@@ -215,7 +260,7 @@ impl<'a> PictureRays<'a> {
         let outside = p2 > r * r;
         let t = if outside { b - root } else { b + root } / a;
         let forward = if kind == RayKind::Curved { a.sqrt() } else { -direction[2] };
-        Meeting { forward, d, p, r, a, p2, disc, far2: p2 + r * r + 4.0 * lengths2, outside, t }
+        Meeting { forward, d, from, p, r, a, p2, disc, far2: p2 + r * r + 4.0 * lengths2, outside, t }
     }
 }
 
@@ -224,6 +269,8 @@ struct Meeting {
     /// The direction along the view axis, of a curved lens its length, and in world space.
     forward: f64,
     d: DVec3,
+    /// The origin of a parallel ray from the eye.
+    from: DVec3,
     /// The centre from the origin, and the radius.
     p: DVec3,
     r: f64,

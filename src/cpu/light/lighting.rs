@@ -5,7 +5,7 @@ use crate::answers::light::Traced;
 use crate::answers::open_sky::OpenSky;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
-use crate::scene::{Ball, DEFAULT_COLOR, Lighting, Material, NumberedBall, Scene, Sky, SkyLight};
+use crate::scene::{DEFAULT_COLOR, Lighting, Material, NumberedBall, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
@@ -110,8 +110,8 @@ impl LightingContext<'_> {
         id: u32,
         point: impl FnOnce() -> &'p SurfacePoint,
     ) -> (Surface, DVec3, bool) {
-        let Ball { center, radius } = self.scene.spheres.ball(id);
-        let hit = rays.hit(pixel, center, radius);
+        let spheres = &self.scene.spheres;
+        let hit = rays.hit(pixel, spheres.ball(id), spheres.is_cut(id));
         if hit.near {
             return (Surface { id, outside: hit.outside, normal: hit.normal }, hit.along, hit.sharp);
         }

@@ -206,7 +206,7 @@ impl Batch<'_> {
     fn hits(&self, undecided: &dyn Fn(u32)) -> Hits {
         let Self { lighting, ids, pixels, .. } = *self;
         let (record, spheres, placement) = (&lighting.view.record, &lighting.scene.spheres, &lighting.tree.placement);
-        let rays = PictureRays::new(lighting.view);
+        let rays = PictureRays::new(lighting.view, lighting.scene.spheres.cuts.as_ref());
         let mut hits = Hits::default();
         for some in pixels.chunks(LANES) {
             let shown = ShownBalls::of_some(record, some, ids, spheres);

@@ -7,7 +7,7 @@ use super::super::hidden::LightRay;
 use crate::certify::given::AnyHit;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::{Judge, LightQuestion, Toward};
-use crate::scene::{Ball, NumberedBall};
+use crate::scene::NumberedBall;
 use crate::search::tree::Tree;
 use crate::testing::Rng;
 use crate::view::View;
@@ -90,11 +90,10 @@ fn sharp_normals_are_off_by_less_than_2_to_the_minus_29() {
         for _ in 0..60 {
             let (scene, _) = (family.make)(random);
             let (judge, view) = (Judge::new(&scene).expect("a scene"), View::without_spheres(&scene).expect("a view"));
-            let rays = PictureRays::new(&view);
+            let rays = PictureRays::new(&view, None);
             for pixel in 0..scene.image.width * scene.image.height {
                 let Some(truth) = judge.pixel(pixel / scene.image.width, pixel % scene.image.width) else { continue };
-                let Ball { center, radius } = scene.spheres.ball(truth.id);
-                let hit = rays.hit(pixel, center, radius);
+                let hit = rays.hit(pixel, scene.spheres.ball(truth.id), false);
                 let off = (hit.normal - DVec3::from_array(truth.normal)).length();
                 all += 1;
                 if hit.sharp {

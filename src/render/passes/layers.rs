@@ -162,8 +162,8 @@ pub(super) fn opacities(spheres: &Spheres, layer: &[u32], rim: Option<&PictureRa
         if id == NONE {
             return 0.0;
         }
-        let (opacity, n) = (spheres.opacity(id), id as usize);
-        let hit = rim.map(|rays| rays.hit(pixel as u32, spheres.centers[n], spheres.radii[n]));
+        let opacity = spheres.opacity(id);
+        let hit = rim.map(|rays| rays.hit(pixel as u32, spheres.ball(id), spheres.is_cut(id)));
         hit.filter(|hit| hit.near).map_or(opacity, |hit| {
             let grazing = 1.0 - hit.normal.dot(-hit.along).clamp(0.0, 1.0);
             opacity + (1.0 - opacity) * (grazing * grazing * grazing) as f32

@@ -180,7 +180,7 @@ fn pass(
             let front = |n: usize| if layer[n] == NONE { raw.id[n] } else { layer[n] };
             finish::run(at, sampling, view, (&parallel::from_fn(layer.len(), front), None), cue, &mut over);
         }
-        let rays = settings.ghost_rim.then(|| PictureRays::new(view));
+        let rays = settings.ghost_rim.then(|| PictureRays::new(view, scene.spheres.cuts.as_ref()));
         let opacities = layers::opacities(&scene.spheres, layer, rays.as_ref());
         lay_over(&opacities, &over, &mut raw.color, passing);
         at.pool.put_back(over);
