@@ -97,7 +97,7 @@ impl Cuts {
 impl Spheres {
     /// Cuts spheres by planes: those wholly beyond a plane are removed, those that a plane passes through are cut. `may` has a
     /// flag for each sphere that may be cut or removed; `None` for all. Returns the flags of the spheres that stay. Planes
-    /// of before are replaced.
+    /// of before are replaced. Places and radii are final before: where they change later, spheres have to be cut again.
     ///
     /// # Errors
     /// As [`CutPlane::check`]; [`Error::Limits`] where memory is short.

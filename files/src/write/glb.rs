@@ -27,7 +27,8 @@ pub fn is_glb(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb"))
 }
 
-/// Writes the spheres and the camera of a scene, completely or not at all. Returns a warning about a camera that glTF does not have.
+/// Writes the spheres and the camera of a scene, completely or not at all. Returns a warning about what glTF does not have: some cameras,
+/// and planes that cut spheres.
 ///
 /// # Errors
 /// [`Error::Limits`] for more spheres than the format holds; [`Error::Scene`] for lengths beyond float32; [`Error::Io`].
@@ -45,9 +46,12 @@ pub fn write(path: &Path, scene: &Scene) -> Result<Option<String>> {
         cloud.write(out)
     })?;
     let name = path.display();
-    Ok(camera
-        .is_none()
-        .then(|| format!("{name} has no camera: glTF has none with distortion or a principal point beside the middle")))
+    let lacks = [
+        (camera.is_none(), "no camera: glTF has none with distortion or a principal point beside the middle"),
+        (scene.spheres.cuts.is_some(), "whole spheres: points of glTF are not cut"),
+    ];
+    let lacks: Vec<&str> = lacks.into_iter().filter(|(lacks, _)| *lacks).map(|(_, words)| words).collect();
+    Ok((!lacks.is_empty()).then(|| format!("{name} has {}", lacks.join("; and "))))
 }
 
 /// Bytes of a file with so many bytes of JSON and so many spheres of so many bytes.
