@@ -294,11 +294,10 @@ struct Best<'a> {
     meeting: OnceCell<Box<Meeting>>,
 }
 
-/// The order of hits at the same t: on a face the smaller sphere shows it, so that nested layers do; then the lower index counts.
+/// The order of hits at the same t: faces come first, of these the smaller sphere, so that nested layers show; then the lower index counts.
 fn rank(next: &Best, best: &Best) -> Ordering {
-    let are_faces = next.decided.root == Root::Face && best.decided.root == Root::Face;
-    let size = if are_faces { next.body.ball.radius.total_cmp(&best.body.ball.radius) } else { Ordering::Equal };
-    size.then(next.decided.id.cmp(&best.decided.id))
+    let key = |best: &Best| if best.decided.root == Root::Face { best.body.ball.radius } else { f64::INFINITY };
+    key(next).total_cmp(&key(best)).then(next.decided.id.cmp(&best.decided.id))
 }
 
 impl Bench {

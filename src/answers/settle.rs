@@ -47,16 +47,17 @@ pub(crate) fn unsure(ids: &[u32]) -> Vec<u32> {
 const AT_ONCE: usize = 1 << 24;
 
 /// Decides every unsure pixel among the spheres that may be its nearest hit, by their lower bounds of depth. The CPU
-/// twin computes these bounds anew; they hold as the kernel's do, whichever way either rounds. `go_on` is called before
+/// twin computes these bounds anew; they hold as the kernel's do, whichever way either rounds. Where planes cut spheres, f64 decides and
+/// answers pixels whose t it knows to `sharp` of itself. `go_on` is called before
 /// every pixel; if it returns false, the result is incomplete and must be discarded.
 pub(crate) fn settle(
     scene: &Scene,
     view: &View,
     binned: &BinnedScene,
-    unsure: &[u32],
+    (unsure, sharp): (&[u32], f64),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Settled>> {
-    let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, cuts));
+    let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, cuts, sharp));
     let settler = Settler { scene, view, twin: Certify::new(&view.record, binned), cuts, go_on };
     let mut settled = Vec::with_capacity(unsure.len());
     let most: Vec<usize> = parallel::map(unsure, |pixel| settler.most(*pixel));
@@ -182,13 +183,15 @@ struct CutSettler<'a> {
     cuts: &'a Cuts,
     planes: EyePlanes,
     placement: Placement,
+    /// The largest relative error of a t that f64 answers with.
+    sharp: f64,
 }
 
 impl<'a> CutSettler<'a> {
-    fn new(scene: &'a Scene, view: &'a View, cuts: &'a Cuts) -> Self {
+    fn new(scene: &'a Scene, view: &'a View, cuts: &'a Cuts, sharp: f64) -> Self {
         let Spheres { centers, radii, .. } = &scene.spheres;
         let (planes, placement) = (EyePlanes::new(cuts, view.basis.e), Placement::new(centers, radii));
-        Self { scene, view, cuts, planes, placement }
+        Self { scene, view, cuts, planes, placement, sharp }
     }
 
     fn ball(&self, id: u32) -> NumberedBall {
@@ -201,7 +204,7 @@ impl<'a> CutSettler<'a> {
         let balls = ids.iter().map(|id| (self.ball(*id), self.cuts.is_cut(*id)));
         match ray.first(balls)? {
             None => Some(None),
-            Some(hit) => ray.truth(&self.planes, self.view, at, hit).map(Some),
+            Some(hit) => ray.truth((&self.planes, self.sharp), self.view, at, hit).map(Some),
         }
     }
 
@@ -211,7 +214,7 @@ impl<'a> CutSettler<'a> {
         let own = || {
             let (ray, ball) = (CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?, self.ball(truth.id));
             let hit = ray.hit(ball, self.cuts.is_cut(truth.id)).filter(|hit| hit.root == truth.root)?;
-            ray.truth(&self.planes, self.view, at, (ball, hit))
+            ray.truth((&self.planes, self.sharp), self.view, at, (ball, hit))
         };
         own().unwrap_or(truth)
     }

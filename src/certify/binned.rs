@@ -148,9 +148,9 @@ impl Binning<'_> {
         let Self { scene, view, tolerance, level, through, pool, .. } = *self;
         let SphereBins { bins, mut generals, projected_count, entries, .. } = bins;
         let cuts = scene.spheres.cuts.as_ref();
-        // A cut sphere is hit at any depth, or not at all.
+        // A cut sphere is hit at any depth from 0, or not at all.
         for general in generals.iter_mut().filter(|general| cuts.is_some_and(|cuts| cuts.is_cut(general.id))) {
-            general.blur = UNKNOWN;
+            (general.power, general.form, general.blur) = (0.0, 1, UNKNOWN);
         }
         let size = [scene.image.width, scene.image.height];
         let record = projection.record(reference, tolerance, generals.len());

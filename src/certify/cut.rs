@@ -10,10 +10,14 @@ use crate::view::placement::Placement;
 use crate::view::planes::{EyePlane, EyePlanes};
 use crate::view::ray::dot3;
 use glam::DVec3;
+use std::cmp::Ordering;
 
 /// The largest relative error of a t, and the largest error of a normal as an angle, of an answer that is given in f64.
-const SHARP: f64 = 1.0 / (1u64 << 40) as f64;
+pub(crate) const SHARP: f64 = 1.0 / (1u64 << 40) as f64;
 const TURNED: f64 = 1.0 / (1u64 << 30) as f64;
+
+/// A distance from a plane, in the tree's unit, below which it may have lost bits.
+const TINY: f64 = 1e-290;
 
 /// Room for the few roundings of the bounds themselves, and for products of two errors.
 const ROUNDED: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
@@ -68,7 +72,7 @@ impl CutRay {
         // All spheres are within [-1, 1] in each coordinate, and a direction is at least 1 long.
         let start = found.ray.placed();
         let reach = (dot3(start, start).sqrt() + 4.0) * ROUNDED;
-        for (index, EyePlane { normal, length, gap }) in planes.iter().enumerate() {
+        for (index, EyePlane { normal, length, gap, side }) in planes.iter().enumerate() {
             let gap = placement.radius(*gap);
             let (num, den) = (gap - dot3(*normal, offset), dot3(*normal, d));
             // One rounding of the gap and two of its place, four of the product and the difference; a direction is at most 4 long.
@@ -79,13 +83,19 @@ impl CutRay {
                 found.is_empty |= num < 0.0;
                 continue;
             }
-            if !(num.is_finite() && den.abs() > den_error) {
+            if !(num.is_finite() && den.abs() > 2.0 * den_error) {
                 return None;
             }
-            if gap == 0.0 && offset == [0.0; 3] {
+            match (side, offset == [0.0; 3]) {
                 // The eye is exactly on the plane.
-                found.is_empty |= den > 0.0;
-                continue;
+                (Ordering::Equal, true) => {
+                    found.is_empty |= den > 0.0;
+                    continue;
+                }
+                (Ordering::Equal, false) => {}
+                // Numbers next to underflow have fewer bits.
+                _ if gap.abs() < TINY => return None,
+                _ => {}
             }
             let ends = [num - num_error, num + num_error].map(|num| num / den);
             let wider = |x: f64| x.abs() * (2.0 * den_error / den.abs() + 4.0 * EPS) * ROUNDED;
@@ -206,17 +216,17 @@ impl CutRay {
         }
     }
 
-    /// The answer for a hit that is sharp enough; else `None`.
+    /// The answer for a hit whose t is known to `sharp` of itself, and its normal; else `None`.
     pub(crate) fn truth(
         &self,
-        planes: &EyePlanes,
+        (planes, sharp): (&EyePlanes, f64),
         view: &View,
         at: [u32; 2],
         (ball, hit): (NumberedBall, CutHit),
     ) -> Option<Truth> {
         let [low, high] = hit.t.0;
         let (t, length) = (hit.t.middle(), self.ray.a.sqrt());
-        if !(low > 0.0 && high - low < SHARP * low) {
+        if !(low > 0.0 && high - low < sharp * low) {
             return None;
         }
         let (normal, turn) = match (hit.root, self.entry) {

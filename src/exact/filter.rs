@@ -408,7 +408,7 @@ pub(crate) struct FilterHit<T = f64> {
 impl FilterHit {
     /// A hit of which nothing is known.
     pub(crate) fn unknown(self) -> Self {
-        Self { error: f64::INFINITY, ..self }
+        Self { t: Dd::from(f64::NAN), error: f64::INFINITY, ..self }
     }
 
     /// The order of t, where the errors allow a decision.

@@ -11,7 +11,9 @@ use crate::answers::layers::Layers;
 use crate::answers::raw::Raw;
 use crate::answers::settle::{self, Settled};
 use crate::certify::binned::BinnedScene;
+use crate::certify::cut::SHARP;
 use crate::certify::placing::Placer;
+use crate::frame::Aov;
 use crate::kernel::Kernel;
 use crate::scene::Scene;
 use crate::view::View;
@@ -74,7 +76,7 @@ pub(super) trait Engine {
 
 /// Decides the unsure pixels among spheres that are binned.
 fn settle(
-    Rendering { renderer, log, .. }: &mut Rendering<'_>,
+    Rendering { renderer, settings, log, .. }: &mut Rendering<'_>,
     ViewRays { scene, view, .. }: ViewRays<'_>,
     binned: &BinnedScene,
     raw: &Raw,
@@ -84,7 +86,9 @@ fn settle(
         return Ok(Vec::new());
     }
     let doing = renderer.watch.begin(Step::Settle, unsure.len() as u64);
-    let settled = log.time("settle", || settle::settle(scene, view, binned, &unsure, &|| doing.next(1)));
+    // The bound of a settled distance is that of the judge's.
+    let sharp = if settings.asks(&[Aov::Bound]) { 0.0 } else { SHARP.min(0.25 * settings.promise().relative()) };
+    let settled = log.time("settle", || settle::settle(scene, view, binned, (&unsure, sharp), &|| doing.next(1)));
     doing.end()?;
     settled
 }

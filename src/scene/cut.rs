@@ -1,6 +1,7 @@
 //! Planes that cut spheres: what lies beyond a plane is removed, and shows the inside of the spheres that it passes through.
 
 use super::{Ball, List, Spheres};
+use crate::double_double as dd;
 use crate::dyadic::{self, Dyadic};
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::check;
@@ -53,7 +54,9 @@ impl CutPlane {
 
     /// The exact place of a ball: removed where N.c - r |N| >= D, kept where N.c + r |N| <= D.
     fn side(&self, ball: Ball) -> Side {
-        let Self { normal, distance } = self;
+        // A power of two brings any length of N into range.
+        let k = dd::exponent(self.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
+        let (normal, distance) = (self.normal.map(|x| dd::ldexp(x, -k)), dd::ldexp(self.distance, -k));
         let terms: [f64; 3] = std::array::from_fn(|n| normal[n] * ball.center[n]);
         let beyond = terms[0] + terms[1] + terms[2] - distance;
         let reach = ball.radius * normal.iter().map(|x| x * x).sum::<f64>().sqrt();
@@ -172,6 +175,11 @@ mod tests {
         assert_eq!(huge.side(Ball { center: [-1e300, 0.0, 0.0], radius: 1e300 }), Side::Kept);
         let tiny = CutPlane { normal: [1e-300, 0.0, 0.0], distance: 0.0 };
         assert_eq!(tiny.side(Ball { center: [1e-20, 0.0, 0.0], radius: 2e-20 }), Side::Cut);
+        for length in [1e-170, 5e-324, 1e308] {
+            let short = CutPlane { normal: [length, 0.0, 0.0], distance: 0.0 };
+            assert_eq!([1.0, -1.0].map(|x| short.side(Ball { center: [x, 0.0, 0.0], radius: 2.0 })), [Side::Cut; 2]);
+            assert_eq!(short.side(Ball { center: [-3.0, 0.0, 0.0], radius: 2.0 }), Side::Kept);
+        }
     }
 
     #[test]

@@ -16,6 +16,9 @@ const FARTHEST: f64 = (1u64 << 30) as f64;
 /// section 10.
 const SHARP: f64 = 1.0 / (1u64 << 35) as f64;
 
+/// The part of numbers that may be left of them by rounding where they cancel.
+const NOISE: f64 = 1.0 / (1u64 << 40) as f64;
+
 /// The viewing rays of a view.
 pub(crate) struct PictureRays<'a> {
     view: &'a View,
@@ -133,10 +136,13 @@ impl<'a> PictureRays<'a> {
         let Some(planes) = &self.planes else { return hit };
         let Meeting { forward, d, from, .. } = self.meeting(kind, position, center, 0.0);
         let mut entry: Option<(f64, usize)> = None;
-        for (n, EyePlane { normal, gap, .. }) in planes.iter().enumerate() {
+        for (n, EyePlane { normal, gap, length, .. }) in planes.iter().enumerate() {
             let normal = DVec3::from_array(*normal);
-            let (along, t) = (normal.dot(d), (gap * self.scale - normal.dot(from)) / normal.dot(d));
-            if along < 0.0 && t > 0.0 && entry.is_none_or(|(last, _)| t > last) {
+            let (along, away, origin) = (normal.dot(d), gap * self.scale, normal.dot(from));
+            // What is left of numbers that cancel is noise.
+            let is_known = -along > NOISE * length * d.length() && origin - away > NOISE * (away.abs() + origin.abs());
+            let t = (away - origin) / along;
+            if is_known && entry.is_none_or(|(last, _)| t > last) {
                 entry = Some((t, n));
             }
         }

@@ -5,15 +5,17 @@ use crate::dyadic::{self, Dyadic};
 use crate::scene::{CutPlane, Cuts};
 use crate::view::ray::dot3;
 use glam::DVec3;
+use std::cmp::Ordering;
 
 /// Planes seen from an eye.
 pub(crate) struct EyePlanes(Vec<EyePlane>);
 
-/// N with its largest component in [1, 2), its length, and D - N.e, rounded from its exact value.
+/// N with its largest component in [1, 2), its length, and D - N.e, rounded from its exact value, with the sign of that.
 pub(crate) struct EyePlane {
     pub(crate) normal: [f64; 3],
     pub(crate) length: f64,
     pub(crate) gap: f64,
+    pub(crate) side: Ordering,
 }
 
 impl EyePlanes {
@@ -24,7 +26,8 @@ impl EyePlanes {
             // A power of two brings any length into range.
             let k = dd::exponent(plane.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
             let normal = plane.normal.map(|x| dd::ldexp(x, -k));
-            EyePlane { normal, length: dot3(normal, normal).sqrt(), gap: gap.ldexp(-i64::from(k)).to_f64() }
+            let (side, gap) = (gap.sign(), gap.ldexp(-i64::from(k)).to_f64());
+            EyePlane { normal, length: dot3(normal, normal).sqrt(), gap, side }
         };
         Self(cuts.planes.iter().map(plane).collect())
     }

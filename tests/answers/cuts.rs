@@ -10,15 +10,15 @@ use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
 use glam::DVec3;
-use halfline::camera::Lens;
+use halfline::camera::{Camera, Lens};
 use halfline::exact::{Judge, Root};
 use halfline::frame::{Aov, Frame};
-use halfline::scene::{CutPlane, Light, LightSource, Lighting, Scene, Spheres};
-use halfline::settings::{Accuracy, Settings};
+use halfline::scene::{CutPlane, ImagePlane, Light, LightSource, Lighting, Scene, Spheres};
+use halfline::settings::{Accuracy, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
 
-const SIZE: [u32; 2] = [73, 51];
+const SIZE: [u32; 2] = [49, 35];
 
 /// A plane with this normal through a point.
 fn through(normal: [f64; 3], point: [f64; 3]) -> CutPlane {
@@ -81,7 +81,7 @@ fn wrong(frame: &Frame, judge: &Judge) -> (Vec<String>, u64) {
 fn pixels_of_cut_spheres_are_those_of_the_judge() {
     let aovs = vec![Aov::Id, Aov::Depth, Aov::Distance, Aov::Normal, Aov::Position, Aov::Color];
     let settings = Settings { aovs, shade: Shade::Headlight, ..Settings::default() };
-    let seeds = amount("clouds with cuts", [1, 2, 20]);
+    let seeds = amount("clouds with cuts", [1, 1, 20]);
     let (mut pixels, mut faces) = (0_u64, 0_u64);
     for (seed, at) in (0..seeds as u64).flat_map(|seed| [(seed, [0.0; 3]), (seed, [1e8, -3e7, 2e7])]) {
         let mut rng = Rng::new(0xc07 + seed);
@@ -89,6 +89,7 @@ fn pixels_of_cut_spheres_are_those_of_the_judge() {
             (vfov(45.0), [1.0, 2.0, 9.0]),
             (Lens::Orthographic { height: 5.0 }, [2.0, -1.0, 9.0]),
             (vfov(80.0), [0.2, 0.1, 0.3]),
+            (vfov(165.0), [0.5, 1.0, 3.0]),
         ] {
             let (whole, eye) = (spheres(seed, at), std::array::from_fn(|k| eye[k] + at[k]));
             for (name, planes) in planes(&whole, eye, &mut rng) {
@@ -106,7 +107,7 @@ fn pixels_of_cut_spheres_are_those_of_the_judge() {
                     );
                     (pixels, faces) = (pixels + frame.ids().len() as u64, faces + own);
                     // A part has the bits of the whole, though its pixels are decided among others.
-                    let window = Window { x0: 21, y0: 17, x1: 40, y1: 30 };
+                    let window = Window { x0: 17, y0: 11, x1: 30, y1: 23 };
                     let part = renderer.render(&scene, &Settings { window: Some(window), ..settings.clone() });
                     let differing = differing(&part.expect("a part"), &frame.cut(window));
                     assert!(differing.is_empty(), "{seed} {name} {lens:?} {backend:?}: {differing:?}");
@@ -116,6 +117,66 @@ fn pixels_of_cut_spheres_are_those_of_the_judge() {
     }
     println!("{pixels} pixels, {faces} of them faces");
     assert!(faces > pixels / 10, "{faces} faces of {pixels}");
+}
+
+/// Cases in which bounds that forget a part of the rule are wrong: an eye in a cut sphere beside a smaller one ahead, a plane next to
+/// underflow from the eye, a normal whose square underflows, a tolerance and bounds that f64 does not keep.
+#[test]
+fn cut_spheres_are_exact_at_the_extremes() {
+    let scene = |eye: [f64; 3], plane: CutPlane, balls: &[([f64; 3], f64)]| {
+        let mut cut = Spheres::default();
+        balls.iter().for_each(|(center, radius)| cut.push(*center, *radius, None));
+        cut.cut(&[plane], None).expect("a plane");
+        let camera = Camera { eye: eye.into(), lens: vfov(40.0), ..Camera::CANONICAL };
+        let image = ImagePlane { width: SIZE[0], height: SIZE[1], ..ImagePlane::default() };
+        Scene { camera, image, spheres: cut, lighting: Lighting::default() }
+    };
+    let up = |distance: f64| CutPlane { normal: [0.0, 0.0, 1.0], distance };
+    let aovs = vec![Aov::Id, Aov::Depth, Aov::Distance, Aov::Normal];
+    let settings = Settings { aovs: aovs.clone(), ..Settings::default() };
+    let bounded = Settings { aovs: [&aovs[..], &[Aov::Bound]].concat(), ..settings.clone() };
+    let sharp = Settings {
+        tolerance: Some(Tolerance::new(1e-15).expect("a tolerance")),
+        accuracy: Accuracy::Certified,
+        ..settings.clone()
+    };
+    for (name, scene) in [
+        ("an eye in a cut sphere", scene([0.0; 3], up(-1e-22), &[([0.0; 3], 1.0), ([0.0, 0.0, -3e-20], 1e-20)])),
+        ("a plane next to underflow", scene([0.0, 0.0, 5e-324], up(0.0), &[([0.0; 3], 4.0), ([0.0, 0.0, -2.0], 0.5)])),
+        ("an eye on the plane", scene([0.0; 3], up(0.0), &[([0.0; 3], 4.0), ([0.0, 0.0, -2.0], 0.5)])),
+        (
+            "a short normal",
+            scene(
+                [0.0, 0.0, 9.0],
+                CutPlane { normal: [1e-170, 1e-170, 0.0], distance: 1e-171 },
+                &[([0.0; 3], 2.0), ([1.0, 0.0, 1.0], 1.5)],
+            ),
+        ),
+        ("equal spheres", scene([0.0, 0.0, 9.0], up(0.25), &[([0.0; 3], 2.0), ([0.0; 3], 2.0), ([0.0; 3], 1.0)])),
+        (
+            "numbers of f64",
+            scene([2.0, 3.0, 7.0], CutPlane { normal: [1.5, 0.25, -0.5], distance: 0.0 }, &[([1.0, 2.0, 0.0], 3.0)]),
+        ),
+    ] {
+        let judge = Judge::new(&scene).expect("a scene");
+        for (backend, mut renderer) in renderers() {
+            for settings in [&settings, &bounded, &sharp] {
+                let frame = renderer.render(&scene, settings).expect("a frame");
+                let (wrong, _) = wrong(&frame, &judge);
+                assert!(wrong.is_empty(), "{name} {backend:?}: {} {:#?}", wrong.len(), &wrong[..wrong.len().min(3)]);
+                let distance = frame.f64(Aov::Distance).expect("distances");
+                let allowed = |pixel: usize, exact: f64| match frame.f64(Aov::Bound) {
+                    Some(bound) => bound[pixel],
+                    None => settings.tolerance.unwrap_or_default().relative() * exact,
+                };
+                for (pixel, found) in distance.iter().enumerate().filter(|(_, found)| found.is_finite()) {
+                    let truth = judge.pixel(pixel as u32 / SIZE[0], pixel as u32 % SIZE[0]).expect("a hit");
+                    let off = (found - truth.distance).abs();
+                    assert!(off <= allowed(pixel, truth.distance), "{name} {backend:?} {pixel}: {off:e} of {found}");
+                }
+            }
+        }
+    }
 }
 
 /// A scene of flat colours, whose spheres a plane toward the eye and a slanted one cut.
@@ -155,7 +216,7 @@ fn pictures_of_cut_spheres_have_the_normals_and_depths_of_faces() {
             }
             let [least, most] = factors.iter().fold([f64::INFINITY, 0.0], |[a, b], x| [a.min(*x), f64::max(b, *x)]);
             assert!(
-                most - least < 1e-5 * most && faces > 300,
+                most - least < 1e-5 * most && faces > 150,
                 "{backend:?} {lens:?}: {least} to {most}, {faces} faces"
             );
             // A cue fades colours toward the background by the depth alone.
@@ -174,7 +235,7 @@ fn pictures_of_cut_spheres_have_the_normals_and_depths_of_faces() {
             shares.sort_by(|a, b| a.0.total_cmp(&b.0));
             let fades = shares.windows(2).all(|two| two[1].1 <= two[0].1 + 1e-5);
             assert!(
-                fades && shares.len() > 500 && shares[0].1 - shares[shares.len() - 1].1 > 0.1,
+                fades && shares.len() > 200 && shares[0].1 - shares[shares.len() - 1].1 > 0.1,
                 "{backend:?} {lens:?}: {} from {:?} to {:?}",
                 shares.len(),
                 shares.first(),
@@ -209,7 +270,7 @@ fn samples_of_cut_spheres_are_cut() {
                 "{backend:?} {x} {y}"
             );
         }
-        assert!(inner > 400, "{backend:?}: {inner}");
+        assert!(inner > 100, "{backend:?}: {inner}");
     }
 }
 

@@ -107,7 +107,7 @@ pub(crate) fn rows() -> Vec<Row> {
         instead("hold", "--frames 2", "--frames 2 --hold none"),
         instead("hold", "--frames 2", "--frames 2 --hold all"),
         at("topology", "--topology top.pdb --radius-scale 0.4").of("f.dump"),
-        at("add", "--add e.xyz --radius-scale 0.5").of("top.pdb"),
+        at("add", "--add e.xyz --radius-scale 0.5").of("top.pdb").or(FORMAT),
         at("identity", "--identity row --frames 2").of("f.dump"),
         at("model", "--model 2").of("m.pdb").or(FORMAT),
         at("altloc", "--altloc A").of("m.pdb").or(FORMAT),

@@ -139,9 +139,13 @@ impl WholeScene {
         let start = entry.unwrap_or(zero);
         is_empty |= exit.is_some_and(|exit| start.order(exit) != Ordering::Less);
         let mut all: Vec<(Found, i128)> = Vec::new();
-        for (id, ((c, r), (removed, cut))) in balls.iter().zip(self.sides()).enumerate() {
+        let quadratic = |(c, r): &(Whole, i128)| {
             let p = [0, 1, 2].map(|n| c[n] - origin[n]);
-            let q = Quadratic { a: dot(*direction, *direction), b: dot(p, *direction), c: dot(p, p) - r * r };
+            Quadratic { a: dot(*direction, *direction), b: dot(p, *direction), c: dot(p, p) - r * r }
+        };
+        let quadratics: Vec<Quadratic> = balls.iter().map(quadratic).collect();
+        for (id, ((_, r), (removed, cut))) in balls.iter().zip(self.sides()).enumerate() {
+            let q = quadratics[id];
             if removed || !q.has_roots() {
                 continue;
             }
@@ -168,7 +172,13 @@ impl WholeScene {
             };
             let same =
                 balls[next.id] == balls[old.id] && next.root == old.root || [next.root, old.root] == [Root::Face; 2];
+            // The place of a face among the roots of the other sphere is exact.
+            let of_face = |root: &Found| quadratics[root.id].order(start, root.root == Root::Far);
             let order = match (next.t - old.t).abs() < 1e-9 * next.t {
+                _ if next.root == Root::Face && old.root != Root::Face => of_face(&old).then(Ordering::Less),
+                _ if next.root != Root::Face && old.root == Root::Face => {
+                    of_face(&next).reverse().then(Ordering::Greater)
+                }
                 true if same => Ordering::Equal,
                 true => return Err(()),
                 false => next.t.total_cmp(&old.t),

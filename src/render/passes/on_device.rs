@@ -8,6 +8,7 @@ use crate::answers::open_sky::{SkyAtHit, SkySums};
 use crate::answers::samples::Means;
 use crate::answers::settle::{self, Settled};
 use crate::answers::silhouette::PixelSize;
+use crate::certify::cut::SHARP;
 use crate::double_double as dd;
 use crate::gpu::resident::picture::{MAX_SOURCES, Patches, PictureRecord};
 use crate::gpu::resident::sky::SkyRays;
@@ -205,7 +206,7 @@ fn add_sample(at: &mut Rendering<'_>, setup: &FrameSetup, scene: &Scene) -> Resu
         Rendered::Frame(binned) => binned,
         Rendered::Left(reason) => return Ok(Some(reason)),
     };
-    let settled = log.time("settle", || settle::settle(scene, view, &binned, &unsure, &|| doing.next(0)))?;
+    let settled = log.time("settle", || settle::settle(scene, view, &binned, (&unsure, SHARP), &|| doing.next(0)))?;
     let [ids, starts] = hit_patches(view, &settled);
     log.time("samples", || gpu.add_sample(scene, &view.record, [&ids, &starts]))?;
     doing.next(view.record.pixels() as u64);
