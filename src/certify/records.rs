@@ -66,7 +66,7 @@ pub(super) struct RecordMaker<'a> {
 }
 
 /// An offset in pixels beyond every image, with a square in range.
-const ASIDE: f32 = (1u64 << 50) as f32;
+const OFF_IMAGE: f32 = (1u64 << 50) as f32;
 
 /// Spheres that one job projects.
 pub(super) const SPHERES_PER_JOB: usize = 1 << 14;
@@ -103,7 +103,7 @@ impl RecordMaker<'_> {
         if let Some(cuts) = self.cuts {
             for placed in to.iter_mut().filter(|placed| cuts.is_cut(placed.detail.id)) {
                 // Beside every ray, so that no hit is certain; and behind everything, so that it hides nothing.
-                (placed.detail.subpixel_offset, placed.detail.center) = ([ASIDE; 2], NEVER as f32);
+                (placed.detail.subpixel_offset, placed.detail.center) = ([OFF_IMAGE; 2], NEVER as f32);
             }
         }
     }
