@@ -30,10 +30,14 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     Ok(())
 }
 
+/// Whether an option asks for a legend, in the picture or in a file.
+fn is_drawn(args: &SceneArgs) -> bool {
+    args.insets.legend_in.is_some() || args.color.legend.is_some()
+}
+
 /// The note about a title without a legend, in a command whose pictures have one only where an option asks for it.
 pub(super) fn unused_title(args: &SceneArgs) -> Option<String> {
-    let is_drawn = args.insets.legend_in.is_some() || args.color.legend.is_some();
-    (args.color.has_title() && !is_drawn).then(|| {
+    (args.color.has_title() && !is_drawn(args)).then(|| {
         format!("--legend-title is the title of a legend, and none is drawn: add {LEGEND_IN}, or {LEGEND} FILE")
     })
 }
@@ -58,9 +62,8 @@ const FEW: u64 = 1000;
 /// A warning about what the legend names and hardly any pixel of a whole picture shows, by the ids of its pixels. Categories that share
 /// a colour are not told apart.
 pub(super) fn hidden(args: &SceneArgs, picture: &PictureScene, ids: &[i32]) -> Option<String> {
-    let is_drawn = args.insets.legend_in.is_some() || args.color.legend.is_some();
     // What lies behind translucent spheres is seen through them, and has no id.
-    let is_drawn = is_drawn && !picture.scene.spheres.is_translucent();
+    let is_drawn = is_drawn(args) && !picture.scene.spheres.is_translucent();
     let legend = picture.legend.as_ref().filter(|_| is_drawn && picture.ids.is_none() && !args.image.is_part())?;
     let colors = picture.scene.spheres.colors.as_ref().filter(|_| !legend.is_scale())?;
     let mut pixels = vec![0_u64; colors.len()];

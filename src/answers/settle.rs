@@ -121,15 +121,14 @@ impl Settler<'_> {
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let Some(cuts) = &self.cuts else { return self.judged(pixels) };
         let place = |pixel: u32| self.twin.view.position(pixel);
-        let found: Vec<Option<Settled>> = parallel::blocks(0..pixels.len(), PIXELS_PER_JOB, &|range, _| {
+        let found: Vec<Option<Settled>> = parallel::collect(pixels.len(), PIXELS_PER_JOB, &|range, out| {
             let (pixels, lists) = (&pixels[range.clone()], self.candidates(&pixels[range]));
             let first = |(n, pixel): (usize, &u32)| {
                 let truth = cuts.first(place(*pixel), lists.of(n))?;
                 Some(Settled { pixel: *pixel, truth })
             };
-            pixels.iter().enumerate().map(first).collect::<Vec<_>>()
-        })
-        .concat();
+            out.extend(pixels.iter().enumerate().map(first));
+        });
         let left: Vec<u32> = pixels.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(n, _)| *n).collect();
         let mut judged = self.judged(&left)?.into_iter().map(|settled| Settled {
             truth: settled.truth.map(|truth| cuts.sharpened(place(settled.pixel), truth)),

@@ -1,5 +1,5 @@
 //! The hits of cut spheres in f64, with bounds: for most pixels they decide what the judge would, at a hundredth of its time.
-//! docs/certificate.md, "Cut spheres", derives the bounds.
+//! docs/certificate.md, "Spheres that planes cut", derives the bounds.
 
 use super::given::{CertifiedRay, EPS};
 use crate::double_double as dd;
@@ -143,17 +143,16 @@ impl CutRay {
         if self.is_empty {
             return Answer::Miss;
         }
-        let before_exit = |hit: Between| match self.exit {
-            None => Answer::Hit(CutHit { t: hit, root: kind }),
-            Some(exit) if hit.is_below(exit) => Answer::Hit(CutHit { t: hit, root: kind }),
-            Some(exit) if exit.is_below(hit) => Answer::Miss,
-            Some(_) => Answer::Unsure(bounds.low),
+        let before_exit = || match self.exit {
+            Some(exit) if exit.is_below(root) => Answer::Miss,
+            Some(exit) if !root.is_below(exit) => Answer::Unsure(bounds.low),
+            _ => Answer::Hit(CutHit { t: root, root: kind }),
         };
         let Some((entry, _)) = self.entry else {
-            return if bounds.sure { before_exit(root) } else { Answer::Unsure(bounds.low) };
+            return if bounds.sure { before_exit() } else { Answer::Unsure(bounds.low) };
         };
         if bounds.sure && bounds.outside && entry.is_below(root) {
-            return before_exit(root);
+            return before_exit();
         }
         match self.side(entry, ball) {
             Some(true) => Answer::Hit(CutHit { t: entry, root: Root::Face }),

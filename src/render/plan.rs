@@ -11,8 +11,8 @@ use crate::frame::Aov;
 use crate::intersect::Method;
 use crate::intersect::predict::Prediction;
 use crate::kernel::{Certificate, Kernel, Task, Unproved};
+use crate::scene::Scene;
 use crate::scene::camera::{CURVED, Lens};
-use crate::scene::{Lighting, Scene};
 use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use choose::Choice;
@@ -95,11 +95,10 @@ impl Plan {
 
     /// Refuses what planes that cut spheres do not reach yet: given rays, layers, and rays from hits.
     fn check_cuts(&self, scene: &Scene) -> Result<()> {
-        let LightOutputs { color, shadow, occlusion, sky, .. } = self.light_outputs;
-        let Lighting { lights, shadows, sky: own_sky, .. } = &scene.lighting;
-        let has_near = lights.iter().any(|light| light.source.far().is_none());
-        let traces = color && (*shadows || own_sky.is_some() || has_near || lights::bounces(scene) > 0);
-        let is_fit = self.given.is_none() && !self.see_through && !(shadow || occlusion || sky || traces);
+        let has_near = scene.lighting.lights.iter().any(|light| light.source.far().is_none());
+        let traces = lights::leave_hits(self.light_outputs, scene)
+            || self.light_outputs.color && (has_near || lights::bounces(scene) > 0);
+        let is_fit = self.given.is_none() && !self.see_through && !traces;
         if scene.spheres.cuts.is_none() || is_fit {
             return Ok(());
         }

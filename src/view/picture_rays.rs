@@ -114,6 +114,16 @@ pub(crate) struct PictureHits {
     depth: [f64; LANES],
 }
 
+impl PictureHits {
+    #[inline(always)]
+    fn set(&mut self, l: usize, hit: PictureHit) {
+        (self.normal[0][l], self.normal[1][l], self.normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
+        self.facing[l] = -hit.along.dot(hit.normal);
+        self.depth[l] = hit.depth;
+        (self.outside[l], self.near[l], self.sharp[l]) = (hit.outside.into(), hit.near.into(), hit.sharp.into());
+    }
+}
+
 impl<'a> PictureRays<'a> {
     /// The rays of a view to spheres that planes may cut.
     pub(crate) fn new(view: &'a View, cuts: Option<&Cuts>) -> Self {
@@ -191,19 +201,11 @@ impl<'a> PictureRays<'a> {
         let (normal, facing, depth) = ([[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
         let mut hits = PictureHits { normal, facing, outside: none, near: none, sharp: none, depth };
         for l in 0..LANES {
-            let hit = self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l));
-            (hits.normal[0][l], hits.normal[1][l], hits.normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
-            hits.facing[l] = -hit.along.dot(hit.normal);
-            hits.depth[l] = hit.depth;
-            (hits.outside[l], hits.near[l], hits.sharp[l]) = (hit.outside.into(), hit.near.into(), hit.sharp.into());
+            hits.set(l, self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l)));
         }
         for l in (0..LANES).filter(|l| shown.is_cut[*l]) {
             let hit = self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l));
-            let hit = self.on_face(kind, shown.position(l), shown.center(l), hit);
-            (hits.normal[0][l], hits.normal[1][l], hits.normal[2][l]) = (hit.normal.x, hit.normal.y, hit.normal.z);
-            hits.facing[l] = -hit.along.dot(hit.normal);
-            hits.depth[l] = hit.depth;
-            (hits.outside[l], hits.near[l], hits.sharp[l]) = (hit.outside.into(), hit.near.into(), hit.sharp.into());
+            hits.set(l, self.on_face(kind, shown.position(l), shown.center(l), hit));
         }
         hits
     }

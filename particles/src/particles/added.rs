@@ -27,7 +27,7 @@ struct Member {
     passed: u64,
     /// The first frame, while it may be the only one.
     still: Option<Particles>,
-    /// Whether frames after the first may be asked for.
+    /// Whether frames after the first are read too.
     is_film: bool,
 }
 
@@ -60,7 +60,7 @@ impl Member {
 }
 
 impl Added {
-    /// The frames of these files together; `is_film` says whether more than the first are asked for.
+    /// A reader of the frames of these files together; `is_film`: frames after the first are read too.
     pub(crate) fn new(files: Vec<(PathBuf, Box<dyn ParticleFrames>)>, periodic: Periodic, is_film: bool) -> Self {
         let names = names(files.iter().map(|(path, _)| path.as_path()));
         let member = |((path, frames), name)| Member { path, name, frames, passed: 0, still: None, is_film };
