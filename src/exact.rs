@@ -23,7 +23,7 @@ use crate::double_double::{self as dd, Dd};
 use crate::dyadic::{self, Dyadic};
 use crate::number::vector::{LANES, Vector};
 use crate::scene::camera::{CentredFrame, CurvedFrame, ExactViewport};
-use crate::scene::{Ball, Scene, Spheres, check_sphere};
+use crate::scene::{Ball, Scene, Solid, Spheres, check_sphere};
 pub use answer::Truth;
 use answer::{DecidedHit, Path, Place as HitPlace, Quick};
 use cut::{Crossing, ExactCuts};
@@ -33,7 +33,7 @@ use filter::{AxesDd, Body, ExactCamera, FilterHit, FilterRay, FilterResult, Scre
 use halfline_ground::error::{Place, Result};
 use halfline_ground::parallel;
 use ray::RayForms;
-use secondary::HitPoint;
+use secondary::{HitOf, HitPoint};
 pub(crate) use secondary::LightQuestion;
 pub use secondary::Toward;
 use std::cell::OnceCell;
@@ -104,13 +104,9 @@ impl Judge {
     }
 
     /// Whether each of `lights` is hidden from the nearest hit of the ray through the centre of row `i`, column `j`: by the
-    /// sphere of the hit itself or by another one between. `None` where the ray hits nothing, and in a scene whose spheres are cut
-    /// ([`Cuts`](crate::scene::Cuts)), of which this is not decided. All numbers are exact, so a
-    /// ray that grazes its own or another surface is hidden, and no epsilon moves it off its surface.
+    /// sphere of the hit itself or by another one between, of which only what planes keep counts. `None` where the ray hits nothing. All
+    /// numbers are exact, so a ray that grazes its own or another surface is hidden, and no epsilon moves it off its surface.
     pub fn hidden(&self, i: u32, j: u32, lights: &[Toward]) -> Option<Vec<bool>> {
-        if self.bench.cuts.is_some() {
-            return None;
-        }
         self.bench.hidden(&self.ray(i, j)?, lights)
     }
 
@@ -158,17 +154,17 @@ impl Judge {
     }
 
     /// The hit of one sphere by the ray of row `i`, column `j`, as if it were the only one.
-    pub(crate) fn hit_of(&self, i: u32, j: u32, ball: Ball) -> Option<Truth> {
+    pub(crate) fn hit_of(&self, i: u32, j: u32, Solid { ball, is_cut }: Solid) -> Option<Truth> {
         let (rays, body) = (self.ray(i, j)?, self.bench.body(ball));
-        self.with_depth([i, j], self.bench.truth(&rays, &self.bench.hit_body(&rays, 0, &body)?)?)
+        self.with_depth([i, j], self.bench.truth(&rays, &self.bench.hit_body(&rays, (0, is_cut), &body)?)?)
     }
 
     /// The answers to questions about the hit of one sphere by the ray of row `i`, column `j`; `None` where the ray misses
     /// that sphere.
-    pub(crate) fn ask(&self, i: u32, j: u32, ball: Ball, questions: &[LightQuestion]) -> Option<Vec<bool>> {
-        let (rays, body) = (self.ray(i, j)?, self.bench.body(ball));
-        let best = self.bench.hit_body(&rays, 0, &body)?;
-        let hit = self.bench.hit_point(&rays, &best);
+    pub(crate) fn ask(&self, i: u32, j: u32, solid: Solid, questions: &[LightQuestion]) -> Option<Vec<bool>> {
+        let (rays, body) = (self.ray(i, j)?, self.bench.body(solid.ball));
+        let best = self.bench.hit_body(&rays, (0, solid.is_cut), &body)?;
+        let hit = self.bench.hit_point(&rays, &best, solid.is_cut);
         Some(questions.iter().map(|question| question.answer(&hit)).collect())
     }
 
@@ -346,7 +342,7 @@ impl Bench {
             if self.screens.get(id as usize).is_none_or(|screen| rays.quick.misses(screen)) {
                 continue;
             }
-            if let Some(next) = self.hit_body(rays, id, &self.bodies[id as usize])
+            if let Some(next) = self.hit_body(rays, (id, self.is_cut(id)), &self.bodies[id as usize])
                 && best.as_ref().is_none_or(|best| self.beats(rays, &next, best))
             {
                 best = Some(next);
@@ -359,15 +355,15 @@ impl Bench {
         Body::new(&self.frame, &self.camera, ball)
     }
 
-    /// The candidate hit of the sphere, if the ray hits it.
+    /// The candidate hit of the sphere, which planes may cut, if the ray hits it.
     #[inline(always)]
-    fn hit_body<'b>(&self, rays: &RayForms<'_>, id: u32, body: &'b Body) -> Option<Best<'b>> {
+    fn hit_body<'b>(&self, rays: &RayForms<'_>, (id, is_cut): (u32, bool), body: &'b Body) -> Option<Best<'b>> {
         let best =
             |hit, root| Best { decided: DecidedHit { id, root, tangent: false }, body, hit, meeting: OnceCell::new() };
         match rays.quick.intersect(body) {
             FilterResult::Miss => None,
             // What the filter knows of a whole sphere bounds nothing of a cut one.
-            FilterResult::FilterHit(hit, _) | FilterResult::Unsure(hit) if self.is_cut(id) => {
+            FilterResult::FilterHit(hit, _) | FilterResult::Unsure(hit) if is_cut => {
                 let best = best(hit.unknown(), Root::Near);
                 let (cuts, meeting) = (self.cuts.as_ref()?, self.meeting(rays, &best));
                 let kept = rays.interval(&self.frame, &cuts.planes)?;
@@ -422,18 +418,21 @@ impl Bench {
 
     fn hidden(&self, rays: &RayForms<'_>, lights: &[Toward]) -> Option<Vec<bool>> {
         let best = self.foremost(rays, 0..self.bodies.len() as u32)?;
-        let hit = self.hit_point(rays, &best);
+        let hit = self.hit_point(rays, &best, self.is_cut(best.decided.id));
         let is_hidden = |light: &Toward| {
-            let light = hit.toward(*light);
-            let hides = |body: &Body| hit.is_hidden_by(&light, body.ball);
-            hit.hides_itself(&light) || self.bodies.iter().any(hides)
+            let light = hit.toward(*light, false);
+            let solid = |(id, body): (u32, &Body)| Solid { ball: body.ball, is_cut: self.is_cut(id) };
+            hit.hides_itself(&light) || (0..).zip(&self.bodies).any(|body| hit.is_hidden_by(&light, solid(body)))
         };
         Some(lights.iter().map(is_hidden).collect())
     }
 
-    fn hit_point<'b>(&'b self, rays: &'b RayForms<'b>, best: &'b Best) -> HitPoint<'b> {
-        let (ray, meeting) = (rays.exact(&self.frame), self.meeting(rays, best));
-        HitPoint::new(&self.frame, ray, rays.stretch(), meeting, best.decided.root, best.body.ball)
+    fn hit_point<'b>(&'b self, rays: &'b RayForms<'b>, best: &'b Best, is_cut: bool) -> HitPoint<'b> {
+        let (ray, planes) = (rays.exact(&self.frame), self.cuts.as_ref().map_or(&[][..], |cuts| &cuts.planes));
+        let own = Solid { ball: best.body.ball, is_cut };
+        let (root, meeting) = (best.decided.root, self.meeting(rays, best));
+        let hit = HitOf { own, root, meeting, entry: self.entry(rays, best) };
+        HitPoint::new(&self.frame, ray, rays.stretch(), planes, hit)
     }
 
     fn meeting<'b>(&self, rays: &RayForms<'_>, best: &'b Best) -> &'b Meeting {

@@ -28,7 +28,8 @@ use halfline_ground::memory::{entries, extend_to};
 
 pub(crate) use ball::{Ball, NumberedBall};
 pub use check::{MAX_SIDE, check_size};
-pub use cut::{CutPlane, Cuts};
+pub(crate) use cut::Solid;
+pub use cut::{CUT, CutPlane, Cuts, SPARED};
 pub use fit::{Framing, Reach};
 pub use gradient::SkyColors;
 pub(crate) use gradient::{Gradient, SkyLight};
@@ -277,10 +278,10 @@ impl Scene {
         }
     }
 
-    /// The camera and the image alone.
+    /// The camera, the image and the planes of cuts alone.
     pub(crate) fn bare(&self) -> Self {
-        let (spheres, lighting) = Default::default();
-        Self { camera: self.camera, image: self.image, spheres, lighting }
+        let spheres = Spheres { cuts: self.spheres.cuts.as_ref().map(Cuts::bare), ..Spheres::default() };
+        Self { camera: self.camera, image: self.image, spheres, lighting: Lighting::default() }
     }
 
     /// A fingerprint of everything that determines the picture: equal for equal numbers, whatever their source. 32

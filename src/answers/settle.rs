@@ -375,7 +375,7 @@ pub(crate) fn shade_all(shade: Shade, scene: &Scene, view: &View, ids: &[u32], p
         let hit = rays.hit(pixel as u32, ball, spheres.is_cut(id));
         let exact = || {
             let [row, column] = view.record.position(pixel as u32);
-            judge.hit_of(row, column, ball).map(|truth| DVec3::from_array(truth.normal))
+            judge.hit_of(row, column, spheres.solid(id)).map(|truth| DVec3::from_array(truth.normal))
         };
         // A flat colour needs no normal.
         let is_known = hit.near || shade == Shade::Flat;

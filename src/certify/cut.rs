@@ -1,7 +1,8 @@
 //! The hits of cut spheres in f64, with bounds: for most pixels they decide what the judge would, at a hundredth of its time.
 //! docs/certificate.md, "Spheres that planes cut", derives the bounds.
 
-use super::given::{CertifiedRay, EPS};
+use super::given::{AnyHit, Bounds, CertifiedRay, EPS};
+use super::surface::SurfacePoint;
 use crate::double_double as dd;
 use crate::exact::{Root, Truth};
 use crate::scene::{Ball, NumberedBall};
@@ -34,6 +35,11 @@ impl Between {
 
     fn middle(self) -> f64 {
         0.5 * (self.0[0] + self.0[1])
+    }
+
+    /// Of both or one of them by `choose`, the lower and the upper bounds apart.
+    fn by(self, other: Option<Self>, choose: fn(f64, f64) -> f64) -> Self {
+        other.map_or(self, |Self([low, high])| Self([choose(self.0[0], low), choose(self.0[1], high)]))
     }
 }
 
@@ -72,7 +78,7 @@ impl CutRay {
         // All spheres are within [-1, 1] in each coordinate, and a direction is at least 1 long.
         let start = found.ray.placed();
         let reach = (dot3(start, start).sqrt() + 4.0) * ROUNDED;
-        for (index, EyePlane { normal, length, gap, side }) in planes.iter().enumerate() {
+        for (index, EyePlane { normal, length, gap, side, .. }) in planes.iter().enumerate() {
             let gap = placement.radius(*gap);
             let (num, den) = (gap - dot3(*normal, offset), dot3(*normal, d));
             // One rounding of the gap and two of its place, four of the product and the difference; a direction is at most 4 long.
@@ -259,6 +265,121 @@ impl CutRay {
         match self.hit_of(ball.ball, is_cut) {
             Answer::Hit(hit) => Some(hit),
             Answer::Miss | Answer::Unsure(_) => None,
+        }
+    }
+}
+
+/// Planes seen from a hit.
+#[derive(Debug, Default)]
+pub(crate) struct PointPlanes {
+    planes: Vec<PointPlane>,
+    /// Whether all planes keep the hit.
+    pub(crate) is_kept: bool,
+}
+
+/// A plane seen from a hit.
+#[derive(Debug)]
+struct PointPlane {
+    normal: [f64; 3],
+    length: f64,
+    /// Bounds of D - N.p in the tree's unit.
+    gap: [f64; 2],
+}
+
+impl PointPlanes {
+    /// Measures the planes from a hit, which is known to be kept or not.
+    pub(crate) fn begin(&mut self, planes: &EyePlanes, placement: &Placement, point: &SurfacePoint, is_kept: bool) {
+        self.planes.clear();
+        for plane in planes.iter() {
+            let [gap, error] = plane.gap_at(point.ball.center).map(|x| placement.radius(x));
+            let num = gap - dot3(plane.normal, point.offset);
+            // Two roundings of the gap in the tree's unit, four of the product and the difference.
+            let error = (error + 4.0 * EPS * gap.abs() + plane.length * (6.0 * EPS * point.size + point.blur)) * ROUNDED
+                + TINY;
+            let [low, high] = [num - error, num + error];
+            let gap = match (num.is_finite() && error.is_finite(), is_kept) {
+                (true, true) => [low.max(0.0), high.max(0.0)],
+                (true, false) => [low, high],
+                (false, true) => [0.0, f64::INFINITY],
+                (false, false) => [f64::NEG_INFINITY, f64::INFINITY],
+            };
+            self.planes.push(PointPlane { normal: plane.normal, length: plane.length, gap });
+        }
+        self.is_kept = is_kept || self.planes.iter().all(|plane| plane.gap[0] > 0.0);
+    }
+
+    /// The ray from the hit, which planes keep, up to where it leaves what they keep.
+    pub(crate) fn clipped(&self, ray: &CertifiedRay) -> CertifiedRay {
+        let mut limit = ray.limit;
+        for PointPlane { normal, length, gap: [low, high] } in &self.planes {
+            let [den, error] = across(normal, *length, ray);
+            if den + error <= 0.0 {
+                continue;
+            }
+            limit[0] = limit[0].min(low / (den + error) / ROUNDED);
+            if den > error {
+                limit[1] = limit[1].min(high / (den - error) * ROUNDED);
+            }
+        }
+        ray.ending_at(limit)
+    }
+}
+
+/// N.d, and a bound of its error.
+fn across(normal: &[f64; 3], length: f64, ray: &CertifiedRay) -> [f64; 2] {
+    [dot3(*normal, ray.direction), 4.0 * length * (4.0 * EPS + ray.tilt) * ROUNDED]
+}
+
+impl CutRay {
+    /// A ray from a hit that planes do not keep; `None` where f64 does not tell which part of it is kept.
+    pub(crate) fn of_hit(planes: &PointPlanes, ray: CertifiedRay) -> Option<Self> {
+        let (mut entry, mut exit, mut is_empty) = (None, None, false);
+        for PointPlane { normal, length, gap: [low, high] } in &planes.planes {
+            let [den, error] = across(normal, *length, &ray);
+            if den > error && *high <= 0.0 {
+                is_empty = true;
+            } else if den > -error && *low > 0.0 {
+                let last = if den > error { high / (den - error) * ROUNDED } else { f64::INFINITY };
+                exit = Some(Between([low / (den + error) / ROUNDED, last]).by(exit, f64::min));
+            } else if den < -error && *high < 0.0 {
+                let place = Between([high / (den - error) / ROUNDED, low / (den + error) * ROUNDED]);
+                entry = Some(place.by(entry, f64::max));
+            } else if !(den < -error && *low >= 0.0) {
+                return None;
+            }
+        }
+        if let (Some(entry), Some(exit)) = (entry, exit) {
+            is_empty |= exit.is_below(entry);
+            if !is_empty && !entry.is_below(exit) {
+                return None;
+            }
+        }
+        Some(Self { ray, entry: entry.map(|entry| (entry, 0)), exit, is_empty })
+    }
+
+    /// Whether a sphere, which planes may cut, blocks the ray before its limit.
+    pub(crate) fn blocked_by(&self, ball: Ball, is_cut: bool) -> AnyHit {
+        let [least, most] = self.ray.limit;
+        if !is_cut {
+            return AnyHit::of(&self.ray, ball);
+        }
+        match self.hit_of(ball, true) {
+            Answer::Miss => AnyHit::Free,
+            Answer::Hit(hit) if hit.t.0[0] >= most => AnyHit::Free,
+            Answer::Hit(hit) if hit.t.0[1] < least => AnyHit::Blocked,
+            Answer::Unsure(low) if low >= most => AnyHit::Free,
+            Answer::Hit(_) | Answer::Unsure(_) => AnyHit::Unsure,
+        }
+    }
+
+    /// The point of a hit, from which rays leave.
+    pub(crate) fn point(&self, planes: &EyePlanes, ball: NumberedBall, hit: CutHit) -> SurfacePoint {
+        let [low, high] = hit.t.0;
+        let bounds = Bounds { low, high, t: hit.t.middle(), sure: true, outside: hit.root != Root::Far };
+        let point = SurfacePoint::met(&self.ray, &bounds, ball);
+        match (hit.root, self.entry) {
+            (Root::Face, Some((_, plane))) => point.on_face(planes.normal(plane)),
+            _ => point,
         }
     }
 }

@@ -159,6 +159,11 @@ impl CertifiedRay {
         Self { offset, blur, tilt: tilt * SLACK, ..self }
     }
 
+    /// The same ray with other bounds of its limit, as t of this ray.
+    pub(crate) fn ending_at(self, limit: [f64; 2]) -> Self {
+        Self { limit, ..self }
+    }
+
     /// The start minus the origin, in the tree's unit.
     pub(crate) fn offset(&self) -> [f64; 3] {
         self.offset

@@ -45,6 +45,8 @@ pub(crate) struct SurfacePoint {
     pub(crate) outside: bool,
     /// The unit normal against the viewing ray.
     pub(crate) normal: [f64; 3],
+    /// A plane cuts the sphere here: the point is inside of it, and the normal that of the plane.
+    pub(crate) is_face: bool,
 }
 
 /// The vector from a sphere's centre to a point on it, its length, and the bound of its error, in one unit.
@@ -164,6 +166,12 @@ impl SurfacePoint {
 
     /// The point that the judge gives for the hit of this sphere.
     pub(crate) fn judged(placement: &Placement, truth: &Truth, sphere: NumberedBall) -> Self {
+        if truth.root == Root::Face {
+            let offset: [f64; 3] =
+                std::array::from_fn(|n| placement.difference(truth.position[n], sphere.ball.center[n]));
+            let size = placement.radius(truth.position.iter().fold(0.0, |most, x| x.abs().max(most)));
+            return Self::new(sphere, offset, 4.0 * EPS * size, true).on_face(truth.normal);
+        }
         let outside = truth.root == Root::Near;
         let r = placement.radius(sphere.ball.radius);
         let r = if outside { r } else { -r };
@@ -173,12 +181,20 @@ impl SurfacePoint {
     pub(super) fn new(NumberedBall { id, ball }: NumberedBall, offset: [f64; 3], blur: f64, outside: bool) -> Self {
         let size = dot3(offset, offset).sqrt();
         let sign = if outside { 1.0 / size } else { -1.0 / size };
-        Self { id, ball, offset, size, blur, outside, normal: offset.map(|x| x * sign) }
+        Self { id, ball, offset, size, blur, outside, normal: offset.map(|x| x * sign), is_face: false }
+    }
+
+    /// The same point on a plane that cuts the sphere, with this normal.
+    pub(super) fn on_face(self, normal: [f64; 3]) -> Self {
+        Self { normal, outside: true, is_face: true, ..self }
     }
 
     /// Drops the error bound, for answers that are not certified. If rounding let the ray pass the sphere, the point is the one that
     /// is nearest to the ray.
     pub(crate) fn trusted(self, placement: &Placement) -> Self {
+        if self.is_face {
+            return Self { blur: 0.0, ..self };
+        }
         let r = placement.radius(self.ball.radius);
         let sign = if self.outside { r } else { -r };
         Self { offset: self.normal.map(|x| x * sign), size: r, blur: 0.0, ..self }
@@ -284,7 +300,8 @@ impl SurfacePoint {
     pub(crate) fn cosine(&self, ray: &CertifiedRay) -> (f64, AnyHit) {
         let along = self.along(ray);
         let side = if self.outside { along } else { -along };
-        (side / (self.size * ray.a.sqrt()), sign(-side, self.doubt(ray)))
+        let size = if self.is_face { 1.0 } else { self.size };
+        (side / (size * ray.a.sqrt()), sign(-side, self.doubt(ray)))
     }
 
     /// Whether the point's own sphere blocks the ray.
@@ -298,6 +315,9 @@ impl SurfacePoint {
             return AnyHit::Blocked;
         }
         let [low, high] = ray.limit.map(|limit| limit.min(BEYOND));
+        if low <= 0.0 {
+            return AnyHit::Unsure;
+        }
         // The power of the light: positive where the ray ends outside.
         let power = |limit: f64| limit * ray.a + 2.0 * along;
         let doubt = 2.0 * doubt + high * ray.a * (8.0 * EPS + 3.0 * ray.tilt);
@@ -307,15 +327,18 @@ impl SurfacePoint {
         }
     }
 
-    /// The product of offset and direction.
+    /// The product of offset, at a face normal, and direction.
     #[inline(always)]
     fn along(&self, ray: &CertifiedRay) -> f64 {
-        dot3(self.offset, ray.direction)
+        dot3(if self.is_face { self.normal } else { self.offset }, ray.direction)
     }
 
-    /// Bound of the error of [`Self::along`]: the blur, the tilt, and five roundings.
+    /// Bound of the error of [`Self::along`]: the blur, the tilt, and five roundings; three more of a face's normal.
     #[inline(always)]
     fn doubt(&self, ray: &CertifiedRay) -> f64 {
+        if self.is_face {
+            return (ray.tilt + 8.0 * EPS) * ray.a.sqrt() * (1.0 + BLURRED);
+        }
         ((ray.tilt + 5.0 * EPS) * self.size + self.blur + SHORT) * ray.a.sqrt() * (1.0 + BLURRED)
     }
 }

@@ -20,8 +20,8 @@ use std::cmp::Ordering;
 /// A plane in exact numbers.
 #[derive(Debug, Clone)]
 pub(super) struct ExactPlane {
-    normal: Dyadic3,
-    distance: Dyadic,
+    pub(super) normal: Dyadic3,
+    pub(super) distance: Dyadic,
 }
 
 /// The place where a ray passes a plane: num/den.
@@ -29,8 +29,8 @@ pub(super) struct ExactPlane {
 pub(super) struct Crossing {
     /// The index of the plane.
     pub(super) plane: usize,
-    num: FieldElement,
-    den: FieldElement,
+    pub(super) num: FieldElement,
+    pub(super) den: FieldElement,
 }
 
 /// The part of a ray that planes keep: behind `entry`, or the origin, and before `exit`.
@@ -60,7 +60,7 @@ impl ExactCuts {
     pub(super) fn of(cuts: &Cuts) -> Self {
         Self {
             planes: cuts.planes.iter().map(ExactPlane::of).collect(),
-            of: cuts.of.iter().map(|flag| *flag != 0).collect(),
+            of: (0..cuts.of.len() as u32).map(|id| cuts.is_cut(id)).collect(),
         }
     }
 

@@ -17,7 +17,7 @@ use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use choose::Choice;
 use halfline_ground::error::{Error, Result};
-use halfline_ground::quote::setting::{ACCURACY, APERTURE, LOOK, METHOD, OCCLUSION, OPACITY, SHADOWS};
+use halfline_ground::quote::setting::{ACCURACY, APERTURE, METHOD, OPACITY};
 use kind::EngineKind;
 
 /// The decisions for one scene and its settings, with their reasons.
@@ -93,18 +93,14 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Refuses what planes that cut spheres do not reach yet: given rays, layers, and rays from hits.
+    /// Refuses what planes that cut spheres do not reach yet: given rays, layers, and rays from mirrors and through glass.
     fn check_cuts(&self, scene: &Scene) -> Result<()> {
-        let has_near = scene.lighting.lights.iter().any(|light| light.source.far().is_none());
-        let traces = lights::leave_hits(self.light_outputs, scene)
-            || self.light_outputs.color && (has_near || lights::bounces(scene) > 0);
-        let is_fit = self.given.is_none() && !self.see_through && !traces;
-        if scene.spheres.cuts.is_none() || is_fit {
+        let bounces = self.light_outputs.color && lights::bounces(scene) > 0;
+        if scene.spheres.cuts.is_none() || self.given.is_none() && !self.see_through && !bounces {
             return Ok(());
         }
-        let problem = "planes cut some spheres, which no ray from a hit, no layer and no curved lens takes for cut yet";
-        let mend = format!("use {LOOK} plain, without {SHADOWS}, {OCCLUSION}, {OPACITY}, mirrors and a curved lens");
-        Err(Error::settings(problem, mend))
+        let problem = "planes cut some spheres, which no mirror, no layer and no curved lens takes for cut yet";
+        Err(Error::settings(problem, format!("render without {OPACITY}, mirrors, glass and a curved lens")))
     }
 
     /// The plan for viewing rays through a plane, as far as hits go.

@@ -22,8 +22,21 @@ pub struct CutPlane {
 pub struct Cuts {
     /// The planes. A point is kept that all of them keep.
     pub planes: Vec<CutPlane>,
-    /// 1 for a sphere that some plane cuts; 0 for one that lies wholly on the kept side, and for one that no plane may cut.
+    /// [`CUT`] for a sphere that some plane cuts, [`SPARED`] for one that no plane may cut though it is not wholly kept; 0 for one that
+    /// lies wholly on the kept side.
     pub of: List<u8>,
+}
+
+/// The flag of a sphere that some plane cuts.
+pub const CUT: u8 = 1;
+/// The flag of a sphere that no plane may cut, and that lies on the removed side at least in part.
+pub const SPARED: u8 = 2;
+
+/// A sphere as it stands among planes: whole, or what they keep of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Solid {
+    pub(crate) ball: Ball,
+    pub(crate) is_cut: bool,
 }
 
 /// The place of a ball beside planes.
@@ -32,6 +45,17 @@ enum Side {
     Kept,
     Cut,
     Removed,
+    Spared,
+}
+
+impl Side {
+    fn flag(self) -> u8 {
+        match self {
+            Self::Kept | Self::Removed => 0,
+            Self::Cut => CUT,
+            Self::Spared => SPARED,
+        }
+    }
 }
 
 /// Bound of the rounding of N.c - D and of r |N| in f64, relative to the sum of the sizes of their terms: fewer than 8 roundings.
@@ -86,14 +110,25 @@ impl CutPlane {
 impl Cuts {
     /// The cuts of the spheres with these indices.
     pub(crate) fn chosen(&self, indices: &[u32]) -> Self {
-        let flag = |id: &u32| u8::from(self.is_cut(*id));
+        let flag = |id: &u32| self.of[*id as usize];
         Self { planes: self.planes.clone(), of: indices.iter().map(flag).collect::<Vec<_>>().into() }
+    }
+
+    /// The planes, without spheres.
+    pub(crate) fn bare(&self) -> Self {
+        Self { planes: self.planes.clone(), of: Vec::new().into() }
     }
 
     /// Whether some plane cuts a sphere.
     #[inline(always)]
     pub(crate) fn is_cut(&self, id: u32) -> bool {
-        self.of.get(id as usize).is_some_and(|flag| *flag != 0)
+        self.of.get(id as usize) == Some(&CUT)
+    }
+
+    /// Whether a sphere is whole beyond planes.
+    #[inline(always)]
+    pub(crate) fn is_spared(&self, id: u32) -> bool {
+        self.of.get(id as usize) == Some(&SPARED)
     }
 }
 
@@ -110,21 +145,20 @@ impl Spheres {
         }
         check(3 * self.len() as u64, || format!("the cuts of {} spheres", self.len()))?;
         let side = |n: usize| {
-            if !may.is_none_or(|may| may[n]) {
-                return Side::Kept;
-            }
             let sides = planes.iter().map(|plane| plane.side(self.ball(n as u32)));
-            sides.fold(Side::Kept, |all, side| match (all, side) {
+            let side = sides.fold(Side::Kept, |all, side| match (all, side) {
                 (Side::Removed, _) | (_, Side::Removed) => Side::Removed,
-                (Side::Cut, _) | (_, Side::Cut) => Side::Cut,
-                (Side::Kept, Side::Kept) => Side::Kept,
-            })
+                (Side::Kept, side) => side,
+                (all, _) => all,
+            });
+            let is_spared = side != Side::Kept && may.is_some_and(|may| !may[n]);
+            if is_spared { Side::Spared } else { side }
         };
         let sides: Vec<Side> = parallel::collect(self.len(), CHEAP, &|range, sides| sides.extend(range.map(side)));
         let stays: Vec<bool> = sides.iter().map(|side| *side != Side::Removed).collect();
         self.cuts = sides.contains(&Side::Cut).then(|| Cuts {
             planes: planes.to_vec(),
-            of: sides.iter().map(|side| u8::from(*side == Side::Cut)).collect::<Vec<_>>().into(),
+            of: sides.iter().map(|side| side.flag()).collect::<Vec<_>>().into(),
         });
         if stays.contains(&false) {
             self.keep(&stays);
@@ -136,6 +170,11 @@ impl Spheres {
     #[must_use]
     pub fn is_cut(&self, id: u32) -> bool {
         self.cuts.as_ref().is_some_and(|cuts| cuts.is_cut(id))
+    }
+
+    /// A sphere as planes leave it.
+    pub(crate) fn solid(&self, id: u32) -> Solid {
+        Solid { ball: self.ball(id), is_cut: self.is_cut(id) }
     }
 }
 
@@ -195,7 +234,7 @@ mod tests {
         // Spared ones are whole, wherever they are.
         let mut some = before.clone();
         assert_eq!(some.cut(&planes, Some(&[false, false, true, true])).expect("planes"), [true; 4]);
-        assert_eq!([0, 1, 2, 3].map(|id| some.is_cut(id)), [false, false, true, false]);
+        assert_eq!(some.cuts.as_ref().expect("cuts").of[..], [SPARED, SPARED, CUT, 0]);
         let mut none = before.clone();
         none.cut(&[CutPlane { normal: [0.0, 0.0, 1.0], distance: 7.0 }], None).expect("a plane");
         assert_eq!(none, before);

@@ -69,11 +69,6 @@ impl Tree {
         self.firsts.len() - 1
     }
 
-    /// All spheres but `than` and those equal to it; all for `None`.
-    pub(crate) fn others(&self, than: Option<Ball>) -> Vec<Ball> {
-        (0..self.spheres.len()).map(|place| self.ball(place)).filter(|ball| Some(*ball) != than).collect()
-    }
-
     /// The sphere at a place.
     #[inline(always)]
     pub(crate) fn ball(&self, place: usize) -> Ball {

@@ -41,6 +41,8 @@ pub(crate) struct PictureHit {
     pub(crate) near: bool,
     /// Whether the normal is off by at most 2^-29.
     pub(crate) sharp: bool,
+    /// Whether the hit is on a plane that cuts the sphere.
+    pub(crate) face: bool,
     /// The depth along the view axis, for a curved lens along the ray, in the frame's unit.
     depth: f64,
 }
@@ -111,6 +113,7 @@ pub(crate) struct PictureHits {
     pub(crate) outside: [u64; LANES],
     pub(crate) near: [u64; LANES],
     pub(crate) sharp: [u64; LANES],
+    pub(crate) face: [bool; LANES],
     depth: [f64; LANES],
 }
 
@@ -121,6 +124,7 @@ impl PictureHits {
         self.facing[l] = -hit.along.dot(hit.normal);
         self.depth[l] = hit.depth;
         (self.outside[l], self.near[l], self.sharp[l]) = (hit.outside.into(), hit.near.into(), hit.sharp.into());
+        self.face[l] = hit.face;
     }
 }
 
@@ -162,6 +166,7 @@ impl<'a> PictureRays<'a> {
                 outside: true,
                 near: true,
                 sharp: true,
+                face: true,
                 depth: forward * t,
                 ..hit
             },
@@ -182,6 +187,7 @@ impl<'a> PictureRays<'a> {
             outside,
             near: p2 <= FARTHEST * FARTHEST * r * r,
             sharp: disc >= SHARP * a * far2,
+            face: false,
             depth: forward * t,
         }
     }
@@ -199,7 +205,7 @@ impl<'a> PictureRays<'a> {
     fn hits_by(&self, kind: RayKind, shown: &ShownBalls) -> PictureHits {
         let none = [0; LANES];
         let (normal, facing, depth) = ([[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
-        let mut hits = PictureHits { normal, facing, outside: none, near: none, sharp: none, depth };
+        let mut hits = PictureHits { normal, facing, outside: none, near: none, sharp: none, face: [false; LANES], depth };
         for l in 0..LANES {
             hits.set(l, self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l)));
         }

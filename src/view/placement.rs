@@ -72,6 +72,11 @@ impl Placement {
         self.length(radius * self.half)
     }
 
+    /// The origin of the tree's coordinates.
+    pub(crate) fn middle(&self) -> [f64; 3] {
+        self.middle
+    }
+
     /// A point in the tree's coordinates, within [`PLACED`] for those of the scene.
     #[inline(always)]
     pub(crate) fn point(&self, p: [f64; 3]) -> [f64; 3] {

@@ -1,6 +1,6 @@
 //! The planes that cut spheres, as the rays of one eye pass them.
 
-use crate::double_double as dd;
+use crate::double_double::{self as dd, Dd};
 use crate::dyadic::{self, Dyadic};
 use crate::scene::{CutPlane, Cuts};
 use crate::view::ray::dot3;
@@ -10,13 +10,17 @@ use std::cmp::Ordering;
 /// Planes seen from an eye.
 pub(crate) struct EyePlanes(Vec<EyePlane>);
 
-/// N with its largest component in [1, 2), its length, and D - N.e, rounded from its exact value, with the sign of that.
+/// N with its largest component in [1, 2), its length, D in that unit, and D - N.e, rounded from its exact value, with the sign of that.
 pub(crate) struct EyePlane {
     pub(crate) normal: [f64; 3],
     pub(crate) length: f64,
+    distance: f64,
     pub(crate) gap: f64,
     pub(crate) side: Ordering,
 }
+
+/// Bound of the error of a sum of three products and a number in double-double, relative to the sum of their sizes.
+const SUMMED: f64 = 1.0 / (1u128 << 96) as f64;
 
 impl EyePlanes {
     pub(crate) fn new(cuts: &Cuts, eye: DVec3) -> Self {
@@ -27,7 +31,8 @@ impl EyePlanes {
             let k = dd::exponent(plane.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
             let normal = plane.normal.map(|x| dd::ldexp(x, -k));
             let (side, gap) = (gap.sign(), gap.ldexp(-i64::from(k)).to_f64());
-            EyePlane { normal, length: dot3(normal, normal).sqrt(), gap, side }
+            let distance = dd::ldexp(plane.distance, -k);
+            EyePlane { normal, length: dot3(normal, normal).sqrt(), distance, gap, side }
         };
         Self(cuts.planes.iter().map(plane).collect())
     }
@@ -40,5 +45,16 @@ impl EyePlanes {
     pub(crate) fn normal(&self, plane: usize) -> [f64; 3] {
         let EyePlane { normal, length, .. } = &self.0[plane];
         normal.map(|x| x / length)
+    }
+}
+
+impl EyePlane {
+    /// D - N.p of a point of the world, and a bound of its error.
+    pub(crate) fn gap_at(&self, point: [f64; 3]) -> [f64; 2] {
+        let terms: [Dd; 3] = std::array::from_fn(|k| Dd::product(self.normal[k], point[k]));
+        let gap = (Dd::from(self.distance) - (terms[0] + terms[1] + terms[2])).value();
+        let sizes = terms.iter().map(|term| term.hi.abs()).sum::<f64>() + self.distance.abs();
+        // Products below the normal numbers lose bits, and D where it was scaled.
+        [gap, SUMMED * sizes + f64::EPSILON * gap.abs() + 8.0 * f64::MIN_POSITIVE]
     }
 }

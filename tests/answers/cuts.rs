@@ -3,17 +3,17 @@
 //! Gold standard: the judge over all spheres, whose decisions about planes its own tests compare with whole numbers. Tolerances: of
 //! certified depths the promised one, of normals 1e-3 rad.
 
-use crate::adapter::renderers;
+use crate::adapter::{cpu, renderers};
 use crate::amount::amount;
-use crate::bits::differing;
+use crate::bits::{Bits, differing};
 use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
 use glam::DVec3;
 use halfline::camera::{Camera, Lens};
-use halfline::exact::{Judge, Root};
+use halfline::exact::{Judge, Root, Toward};
 use halfline::frame::{Aov, Frame};
-use halfline::scene::{CutPlane, ImagePlane, Light, LightSource, Lighting, Scene, Spheres};
+use halfline::scene::{CutPlane, ImagePlane, Light, LightSource, Lighting, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
@@ -274,6 +274,71 @@ fn samples_of_cut_spheres_are_cut() {
     }
 }
 
+/// Lights and sky at the hits of cut scenes: shadows of single rays are those of the judge, and all others those of a frame whose every ray
+/// the judge decides. With spared spheres beyond planes, from far away, from inside, by parallel rays.
+#[test]
+fn light_at_cut_spheres_is_exact() {
+    let aovs = vec![Aov::Id, Aov::Shadow, Aov::Occlusion, Aov::Color, Aov::Certainty];
+    let settings = Settings { aovs, accuracy: Accuracy::Certified, ..Settings::default() };
+    let seeds = amount("lit clouds with cuts", [1, 1, 8]);
+    let (mut rays, mut hidden, mut turn) = (0_u64, 0_u64, 0);
+    for (seed, at) in (0..seeds as u64).flat_map(|seed| [(seed, [0.0; 3]), (seed, [1e8, -3e7, 2e7])]) {
+        let mut rng = Rng::new(0xc17 + seed);
+        for (lens, eye) in [
+            (vfov(45.0), [1.0, 2.0, 9.0]),
+            (Lens::Orthographic { height: 5.0 }, [2.0, -1.0, 9.0]),
+            (vfov(80.0), [0.2, 0.1, 0.3]),
+        ] {
+            let (whole, eye) = (spheres(seed, at), std::array::from_fn(|k| eye[k] + at[k]));
+            // Every second family with spared spheres, in the next scene the others.
+            for (name, planes) in planes(&whole, eye, &mut rng) {
+                turn += 1;
+                for may in [Some((0..whole.len()).map(|n| n % 7 != 0).collect::<Vec<bool>>()).filter(|_| turn % 2 > 0)] {
+                    let mut cut = whole.clone();
+                    cut.cut(&planes, may.as_deref()).expect("planes");
+                    let mut scene = oblique::scene(SIZE, eye, at, lens, cut);
+                    let place = DVec3::from_array(std::array::from_fn(|k| at[k] + [3.0, 4.0, 1.0][k]));
+                    let sources = [
+                        LightSource::Direction(DVec3::new(0.3, 0.5, 1.0)),
+                        LightSource::Point(place),
+                        LightSource::Direction(planes[0].normal.into()),
+                    ];
+                    let lights = sources.map(Light::white).to_vec();
+                    let sky = Some(Sky { rays: 4, ..Sky::AT_CENTERS });
+                    scene.lighting = Lighting { lights, shadows: true, sky, ..Lighting::default() };
+                    let judge = Judge::new(&scene).expect("a scene");
+                    let (renderer, what) = (&mut cpu(), format!("{seed} {at:?} {name} {lens:?} {}", may.is_some()));
+                    let found = renderer.render(&scene, &settings).expect("a frame");
+                    // A ray that the judge decides takes a thousand times as long: those of a part.
+                    let window = Window { x0: 20, y0: 13, x1: 32, y1: 19 };
+                    let exact =
+                        Settings { accuracy: Accuracy::Exact, window: Some(window), ..settings.clone() };
+                    let exact = renderer.render(&scene, &exact).expect("a frame");
+                    for aov in [Aov::Id, Aov::Shadow, Aov::Occlusion] {
+                        assert_eq!(found.cut(window).bits(aov), exact.bits(aov), "{what}: {aov:?}");
+                    }
+                    let toward = sources.map(|source| match source {
+                        LightSource::Point(place) => Toward::Point(place.to_array()),
+                        LightSource::Direction(direction) => Toward::Direction(direction.to_array()),
+                        _ => unreachable!("without a size"),
+                    });
+                    let shadow = found.f32(Aov::Shadow).expect("shadows");
+                    for pixel in (0..found.ids().len()).step_by(61) {
+                        let (i, j) = (pixel as u32 / SIZE[0], pixel as u32 % SIZE[0]);
+                        let Some(expected) = judge.hidden(i, j, &toward) else { continue };
+                        for (n, is_hidden) in expected.into_iter().enumerate() {
+                            assert_eq!(shadow[sources.len() * pixel + n] > 0.5, is_hidden, "{what}: {i}, {j}, light {n}");
+                            (rays, hidden) = (rays + 1, hidden + u64::from(is_hidden));
+                        }
+                    }
+                }
+            }
+        }
+    }
+    println!("{rays} rays, {hidden} of them hidden");
+    assert!(hidden > rays / 10 && hidden < rays / 10 * 9, "{hidden} of {rays}");
+}
+
 /// A picture that would take a cut sphere for a whole one is refused.
 #[test]
 fn what_takes_spheres_for_whole_is_refused() {
@@ -285,7 +350,6 @@ fn what_takes_spheres_for_whole_is_refused() {
         renderer.render(&scene, &plain).expect("a picture");
         for (what, settings) in [
             ("fast", Settings { accuracy: Accuracy::Fast, ..plain.clone() }),
-            ("occlusion", Settings { aovs: vec![Aov::Occlusion], ..plain.clone() }),
         ] {
             let error = renderer.render(&scene, &settings).map(drop).expect_err(what).to_string();
             assert!(error.contains("planes cut some spheres"), "{what}, {backend:?}: {error}");

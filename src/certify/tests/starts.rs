@@ -13,6 +13,7 @@ use crate::cpu::light::tests::families::FAMILIES;
 use crate::double_double as dd;
 use crate::exact::{Judge, LightQuestion, Toward, Truth};
 use crate::number::Number;
+use crate::scene::Solid;
 use crate::search::tree::Tree;
 use crate::search::tree::device::OnGrid;
 use crate::search::tree::device_rays::DirectionRecord;
@@ -248,6 +249,7 @@ fn shots(
 ) -> Vec<Shot> {
     let spheres = &case.scene.spheres;
     let own = spheres.ball(hit.id);
+    let whole = |ball| Solid { ball, is_cut: false };
     let mut shots = Vec::new();
     for id in (0..spheres.len() as u32).filter(|id| spheres.ball(*id) != own).take(6) {
         let ball = spheres.ball(id);
@@ -261,23 +263,17 @@ fn shots(
         let distance = relative(ball.center).distance(at) * [1.0, random.decade(-2.0, 2.0)][random.below(2) as usize];
         let light = DVec3::from_array(own.center) + at + direction * distance;
         if let Some(record) = DirectionRecord::place(tree, light.to_array()) {
-            let ask = |among| {
-                judge.ask(
-                    i,
-                    j,
-                    own,
-                    &[LightQuestion::Hidden { toward: Toward::Point(light.to_array()), turned: false, among }],
-                )
-            };
-            let (behind, hidden) = (ask(Vec::new()).expect("a hit")[0], ask(vec![ball]).expect("a hit")[0]);
+            let toward = Toward::Point(light.to_array());
+            let ask = |among| judge.ask(i, j, whole(own), &[LightQuestion::Hidden { toward, turned: false, among }]);
+            let (behind, hidden) = (ask(Vec::new()).expect("a hit")[0], ask(vec![whole(ball)]).expect("a hit")[0]);
             shots.push(Shot { record, other: place(id), behind, hidden });
         }
         let exact = direction.as_vec3().to_array();
         let toward = |sign: f64| Toward::Direction(exact.map(|x| sign * f64::from(x)));
         let question = |toward, among: Vec<_>| LightQuestion::Hidden { toward, turned: false, among };
-        let behind = judge.ask(i, j, own, &[question(toward(1.0), Vec::new())]).expect("a hit")[0];
+        let behind = judge.ask(i, j, whole(own), &[question(toward(1.0), Vec::new())]).expect("a hit")[0];
         let outward = toward(if behind { -1.0 } else { 1.0 });
-        let hidden = judge.ask(i, j, own, &[question(outward, vec![ball])]).expect("a hit")[0];
+        let hidden = judge.ask(i, j, whole(own), &[question(outward, vec![whole(ball)])]).expect("a hit")[0];
         shots.push(Shot { record: DirectionRecord::of_unit(&exact), other: place(id), behind, hidden });
     }
     shots

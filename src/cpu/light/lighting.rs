@@ -1,8 +1,10 @@
 //! A scene set up for its lights.
 
 use super::surface::Surface;
+use super::super::hidden::HitCuts;
 use crate::answers::light::Traced;
 use crate::answers::open_sky::OpenSky;
+use crate::certify::cut::CutRay;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
 use crate::scene::{DEFAULT_COLOR, Lighting, Material, NumberedBall, Scene, Sky, SkyLight};
@@ -33,8 +35,9 @@ pub(crate) struct LightingContext<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) view: &'a View,
     pub(crate) tree: &'a Tree,
-    /// The spheres that block rays to lights and sky, in the placement of `tree`.
+    /// The spheres that block rays to lights and sky, in the placement of `tree`; in a scene with cuts without those that planes spare.
     pub(crate) blockers: &'a Tree,
+    pub(crate) cuts: Option<HitCuts<'a>>,
     pub(crate) outputs: LightOutputs,
     /// Decides the answers that f64 leaves unsure; `None` for answers that are not certified.
     pub(crate) judge: Option<&'a Judge>,
@@ -82,14 +85,24 @@ impl LightingContext<'_> {
     pub(super) fn point(&self, [i, j]: [u32; 2], id: u32) -> SurfacePoint {
         let sphere = NumberedBall { id, ball: self.scene.spheres.ball(id) };
         let placement = &self.tree.placement;
-        let point = SurfacePoint::of_pixel(self.view, placement, [i, j], sphere);
-        match self.judge {
-            None => point.trusted(placement),
-            Some(_) if point.is_sharp(placement) => point,
-            Some(judge) => match judge.hit_of(i, j, sphere.ball) {
-                Some(truth) => SurfacePoint::judged(placement, &truth, sphere),
+        let judged = |point: Option<SurfacePoint>, judge: &Judge| match point {
+            Some(point) if point.is_sharp(placement) => Some(point),
+            _ => match judge.hit_of(i, j, self.scene.spheres.solid(id)) {
+                Some(truth) => Some(SurfacePoint::judged(placement, &truth, sphere)),
                 None => point,
             },
+        };
+        let whole = || SurfacePoint::of_pixel(self.view, placement, [i, j], sphere);
+        let point = match &self.cuts {
+            Some(cuts) if cuts.cuts.is_cut(id) => {
+                CutRay::of_pixel(&cuts.planes, self.view, placement, [i, j])
+                    .and_then(|ray| Some(ray.point(&cuts.planes, sphere, ray.hit(sphere, true)?)))
+            }
+            _ => Some(whole()),
+        };
+        match self.judge {
+            None => point.unwrap_or_else(whole).trusted(placement),
+            Some(judge) => judged(point, judge).unwrap_or_else(whole),
         }
     }
 

@@ -1,9 +1,10 @@
 //! Light that reaches one point from lights and sky.
 
-use super::super::hidden::LightRay;
+use super::super::hidden::{LightRay, all_but};
 use super::lighting::LightingContext;
 use super::surface::Surface;
 use crate::answers::open_sky::{SkyAtHit, SkySums};
+use crate::certify::cut::PointPlanes;
 use crate::certify::given::{AnyHit, CertifiedRay};
 use crate::certify::surface::SurfacePoint;
 use crate::exact::{LightQuestion, Toward};
@@ -95,6 +96,8 @@ pub(super) struct PointLight<'a> {
     shine: f32,
     unsure: Vec<(PendingRay, LightQuestion)>,
     disc: Vec<[f64; 2]>,
+    /// The planes that cut spheres, as the point sees them.
+    planes: PointPlanes,
 }
 
 impl<'a> PointLight<'a> {
@@ -109,6 +112,7 @@ impl<'a> PointLight<'a> {
             shine: 0.0,
             unsure: Vec::new(),
             disc: vec![[0.0; 2]; lighting.disc.len()],
+            planes: PointPlanes::default(),
         }
     }
 
@@ -136,8 +140,30 @@ impl<'a> PointLight<'a> {
 
     /// Traces rays to all lights for which [`Self::begin`] does not suffice.
     pub(super) fn trace_lights(&mut self, point: &SurfacePoint, at: PixelSample) {
+        self.see_planes(point);
         for n in 0..self.lights.len() {
             self.light(point, n, at);
+        }
+    }
+
+    fn see_planes(&mut self, point: &SurfacePoint) {
+        if let Some(cuts) = &self.lighting.cuts {
+            let is_kept = !cuts.cuts.is_spared(point.id);
+            self.planes.begin(&cuts.planes, &self.lighting.tree.placement, point, is_kept);
+        }
+    }
+
+    /// The ray from the point to a light among the spheres that may hide it.
+    fn light_ray_of<'r>(
+        &'r self,
+        point: &'r SurfacePoint,
+        ray: &'r CertifiedRay,
+        light: Option<Ball>,
+    ) -> LightRay<'r> {
+        let whole = LightRay::new(self.lighting.blockers, point, ray, light);
+        match &self.lighting.cuts {
+            Some(cuts) => whole.cut_by(cuts, &self.planes),
+            None => whole,
         }
     }
 
@@ -317,13 +343,13 @@ impl<'a> PointLight<'a> {
         ray: Option<&CertifiedRay>,
         light: Option<Ball>,
     ) -> (AnyHit, Option<LightQuestion>) {
-        let tree = self.lighting.blockers;
         let question = |among| Some(LightQuestion::Hidden { toward: *toward, turned: false, among });
         let Some(ray) = ray else {
             // A ray of unknown direction may meet anything.
-            return (AnyHit::Unsure, question(tree.others(light)));
+            let LightingContext { blockers, cuts, .. } = self.lighting;
+            return (AnyHit::Unsure, question(all_but(light, blockers, cuts.as_ref())));
         };
-        let ray = LightRay { tree, point, ray, light };
+        let ray = self.light_ray_of(point, ray, light);
         match if self.lighting.exact { AnyHit::Unsure } else { ray.answer() } {
             AnyHit::Unsure => (AnyHit::Unsure, question(ray.candidates())),
             answer => (answer, None),
@@ -342,7 +368,8 @@ impl<'a> PointLight<'a> {
 
     /// Traces rays to the sky, if there is one.
     pub(super) fn trace_sky(&mut self, point: &SurfacePoint, surface: &Surface, at: PixelSample) {
-        let (tree, Some(Sky { reach, .. })) = (self.lighting.blockers, self.lighting.sky) else { return };
+        let Some(Sky { reach, .. }) = self.lighting.sky else { return };
+        self.see_planes(point);
         self.sky = SkyShare::default();
         for direction in self.lighting.directions.of(at, 0) {
             let direction = direction.map(f64::from);
@@ -350,7 +377,7 @@ impl<'a> PointLight<'a> {
                 f64::INFINITY => Toward::Direction(direction),
                 reach => Toward::Within { direction, reach },
             };
-            let Some(ray) = point.ray(&tree.placement, &toward(direction)) else { continue };
+            let Some(ray) = point.ray(&self.lighting.tree.placement, &toward(direction)) else { continue };
             let (weight, outward) = self.weigh(surface, direction);
             let pending = PendingRay::Sky(weight, outward);
             let side = if self.lighting.exact { AnyHit::Unsure } else { point.cosine(&ray).1 };
@@ -358,22 +385,22 @@ impl<'a> PointLight<'a> {
                 AnyHit::Free => (toward(direction), ray),
                 AnyHit::Blocked => (toward(direction.map(|x| -x)), ray.turned()),
                 AnyHit::Unsure => {
-                    let both =
-                        [ray, ray.turned()].map(|ray| LightRay { tree, point, ray: &ray, light: None }.candidates());
+                    let both = [ray, ray.turned()].map(|ray| self.light_ray_of(point, &ray, None).candidates());
                     let question =
                         LightQuestion::Hidden { toward: toward(direction), turned: true, among: both.concat() };
                     self.unsure.push((pending, question));
                     continue;
                 }
             };
-            let ray = LightRay { tree, point, ray: &ray, light: None };
+            let ray = self.light_ray_of(point, &ray, None);
             // From outside the sphere of the point does not hide what is on the side of its normal.
-            match if point.outside { ray.others() } else { ray.answer() } {
+            let answer = if point.outside { ray.others() } else { ray.answer() };
+            let among = if answer == AnyHit::Unsure { ray.candidates() } else { Vec::new() };
+            match answer {
                 AnyHit::Free => self.see_sky(weight, outward),
                 AnyHit::Blocked => {}
                 AnyHit::Unsure => {
-                    let question = LightQuestion::Hidden { toward, turned: false, among: ray.candidates() };
-                    self.unsure.push((pending, question));
+                    self.unsure.push((pending, LightQuestion::Hidden { toward, turned: false, among }));
                 }
             }
         }
@@ -399,7 +426,8 @@ impl<'a> PointLight<'a> {
             return false;
         }
         let (rays, questions): (Vec<PendingRay>, Vec<LightQuestion>) = self.unsure.drain(..).unzip();
-        let answers = self.lighting.judge.and_then(|judge| judge.ask(i, j, point.ball, &questions));
+        let solid = self.lighting.scene.spheres.solid(point.id);
+        let answers = self.lighting.judge.and_then(|judge| judge.ask(i, j, solid, &questions));
         let answers = answers.unwrap_or_else(|| vec![true; questions.len()]);
         rays.into_iter().zip(answers).for_each(|(ray, hidden)| self.count(ray, hidden));
         true

@@ -1,16 +1,20 @@
 //! Rays toward the sky from the hits of a view, all of one direction at once.
 
+use super::super::hidden::HitCuts;
 use super::lighting::LightingContext;
 use crate::answers::light::Traced;
+use crate::certify::given::EPS;
 use crate::number::vector::LANES;
 use crate::scene::{Light, LightSource};
 use crate::search::tree::Tree;
 use crate::search::tree::bounding::SIXTEEN;
 use crate::search::tree::sixteen::{Sixteen, Work16, dispatch};
-use crate::search::tree::streams::{Blockers, ERROR, Hidden, MOST_RAYS, Starts, Stream};
+use crate::search::tree::streams::{Blockers, Chosen, ERROR, Ends, Hidden, MOST_RAYS, NO_END, Starts, Stream};
 use crate::view::RayKind;
 use crate::view::directions::PixelSample;
 use crate::view::picture_rays::{PictureHits, PictureRays, ShownBalls};
+use crate::view::placement::Placement;
+use crate::view::planes::EyePlane;
 use crate::view::ray::NONE;
 use glam::DVec3;
 use halfline_ground::parallel;
@@ -98,7 +102,12 @@ impl LightingContext<'_> {
 
     /// Whether all viewing rays start outside of the spheres that block rays. What they hit first from there is outside too.
     fn is_outside(&self) -> bool {
-        let (tree, basis) = (self.blockers, &self.view.basis);
+        let spared = self.cuts.as_ref().and_then(|cuts| cuts.spared);
+        [Some(self.blockers), spared].into_iter().flatten().all(|tree| self.is_outside_of(tree))
+    }
+
+    fn is_outside_of(&self, tree: &Tree) -> bool {
+        let basis = &self.view.basis;
         let eye = tree.placement.point(basis.e.to_array());
         let far = eye.iter().fold(1.0, |far: f64, x| far.max(x.abs()));
         // Beyond the scene nothing is inside; nearer, f64 knows the place to far less than the margin.
@@ -131,6 +140,17 @@ struct Hits {
     pixels: Vec<u32>,
     starts: Starts,
     normals: [Vec<f32>; 3],
+    /// A bit for each that is on a plane which cuts its sphere, sixteen to a word; empty in a scene without cuts.
+    faces: Vec<u32>,
+    planes: Vec<PlaneGaps>,
+}
+
+/// A plane that cuts spheres, with its distance from each start in the tree's unit and in lengths of its normal.
+struct PlaneGaps {
+    normal: DVec3,
+    gaps: Vec<f64>,
+    /// Bound of the error of the distances.
+    error: f64,
 }
 
 impl Work16 for Batch<'_> {
@@ -140,25 +160,44 @@ impl Work16 for Batch<'_> {
     fn work<S: Sixteen>(self, s: S) {
         let Self { lighting, ref toward, count, words, .. } = self;
         let tree: &Tree = lighting.blockers;
-        let blockers = Blockers { tree, error: ERROR };
+        let blockers = |tree| Blockers { tree, error: ERROR };
+        let spared = lighting.cuts.as_ref().and_then(|cuts| cuts.spared);
         let (undecided, each) = (count.rays + count.lights, count.words_of_pixel());
         let of_left = |pixel: u32| words[pixel as usize * each + undecided / 32].store(1 << (undecided % 32), Relaxed);
         let hits = self.hits(&of_left);
         let mut own = vec![0u32; each * hits.pixels.len()];
         let mut set = |n: usize, ray: usize| own[n * each + ray / 32] |= 1 << (ray % 32);
         let mut stream = Stream::default();
-        let mut sides = [Vec::new(), Vec::new()];
+        let (mut sides, mut ends) = ([Vec::new(), Vec::new()], Ends::default());
+        let ids = &hits.starts.ids[..];
         for (ray, direction) in toward.iter().enumerate() {
             hits.sides(s, *direction, &mut sides, |n| set(n, undecided));
             stream.begin(*direction, &hits.starts);
             // A direction toward the sky is meant up to its sign; the sphere of a point hides a light behind it.
-            for (backward, chosen) in [false, true].into_iter().zip(&sides).take(if ray < count.rays { 2 } else { 1 }) {
-                stream.trace(s, blockers, backward, (chosen, &hits.starts.ids));
-                for (n, answer) in stream.answers() {
-                    match answer {
-                        Hidden::No => set(n, ray),
-                        Hidden::Unsure => set(n, undecided),
-                        Hidden::Yes => {}
+            for (backward, chosen) in [false, true].into_iter().zip(&mut sides).take(if ray < count.rays { 2 } else { 1 })
+            {
+                // A face looks into what its plane removes.
+                hits.faces(chosen, |n| set(n, ray));
+                let sign = if backward { -1.0 } else { 1.0 };
+                let ends = hits.ends(direction.map(|x| sign * x), &mut ends);
+                stream.trace(s, blockers(tree), backward, Chosen { chosen, ids, ends });
+                let Some(spared) = spared else {
+                    for (n, answer) in stream.answers() {
+                        match answer {
+                            Hidden::No => set(n, ray),
+                            Hidden::Unsure => set(n, undecided),
+                            Hidden::Yes => {}
+                        }
+                    }
+                    continue;
+                };
+                let rest: Vec<(usize, Hidden)> = stream.answers().collect();
+                stream.trace(s, blockers(spared), backward, Chosen { chosen, ids, ends: None });
+                for ((n, of_rest), (_, of_spared)) in rest.into_iter().zip(stream.answers()) {
+                    match (of_rest, of_spared) {
+                        (Hidden::No, Hidden::No) => set(n, ray),
+                        (Hidden::Yes, _) | (_, Hidden::Yes) => {}
+                        _ => set(n, undecided),
                     }
                 }
             }
@@ -170,7 +209,50 @@ impl Work16 for Batch<'_> {
     }
 }
 
+/// Bound of the error of a start, as a length in the tree's unit: a normal off by 2^-29 and a radius of at most 1.
+const START: f64 = 1.0 / (1u64 << 28) as f64;
+
+/// Bound of the error of the product of a plane's normal and a direction of length 1 in f64, over the length of the normal.
+const ACROSS: f64 = 1.0 / (1u64 << 48) as f64;
+
 impl Hits {
+    /// Takes the faces out of some hits, whose rays leave on the side of the normal, and calls `each` for them.
+    fn faces(&self, chosen: &mut [u32], mut each: impl FnMut(usize)) {
+        for (n, (chosen, faces)) in chosen.iter_mut().zip(&self.faces).enumerate() {
+            let mut found = *chosen & faces;
+            *chosen &= !faces;
+            while found != 0 {
+                each(n * SIXTEEN + found.trailing_zeros() as usize);
+                found &= found - 1;
+            }
+        }
+    }
+
+    /// The lengths at which rays in a direction leave what planes keep; `None` in a scene without cuts.
+    fn ends<'e>(&self, direction: [f64; 3], ends: &'e mut Ends) -> Option<&'e Ends> {
+        if self.planes.is_empty() {
+            return None;
+        }
+        let along = DVec3::from_array(direction).normalize();
+        for ends in [&mut ends.low, &mut ends.high] {
+            ends.clear();
+            ends.resize(self.starts.ids.len(), NO_END);
+        }
+        for PlaneGaps { normal, gaps, error } in &self.planes {
+            let (den, doubt) = (normal.dot(along), ACROSS * normal.length());
+            if den <= -doubt {
+                continue;
+            }
+            for ((low, high), gap) in ends.low.iter_mut().zip(&mut ends.high).zip(gaps) {
+                // One step of f32 on either side for the roundings.
+                *low = low.min((((gap - error) / (den + doubt)) as f32).next_down().max(0.0));
+                let last = if den > doubt { (((gap + error) / (den - doubt)) as f32).next_up() } else { NO_END };
+                *high = high.min(last.max(0.0));
+            }
+        }
+        Some(ends)
+    }
+
     /// Writes the hits whose normals are on the side of a direction, and those on the other, a bit each, sixteen to a word. Those for which
     /// that is not known are `undecided` besides.
     #[inline(always)]
@@ -208,9 +290,10 @@ impl Batch<'_> {
         let (record, spheres, placement) = (&lighting.view.record, &lighting.scene.spheres, &lighting.tree.placement);
         let rays = PictureRays::new(lighting.view, lighting.scene.spheres.cuts.as_ref());
         let mut hits = Hits::default();
+        let cuts = lighting.cuts.as_ref();
         for some in pixels.chunks(LANES) {
             let shown = ShownBalls::of_some(record, some, ids, spheres);
-            let PictureHits { normal, outside, near, sharp, .. } = rays.hits(&shown);
+            let PictureHits { normal, outside, near, sharp, face, .. } = rays.hits(&shown);
             let mut at = [[0.0; LANES]; 3];
             for l in 0..LANES {
                 let (place, radius) = (placement.point(shown.center(l)), placement.radius(shown.radius(l)));
@@ -219,12 +302,25 @@ impl Batch<'_> {
                 }
             }
             for (l, pixel) in some.iter().enumerate() {
-                if outside[l] & near[l] & sharp[l] == 0 {
+                let id = ids[*pixel as usize];
+                let start = [at[0][l], at[1][l], at[2][l]];
+                let is_left = cuts.is_some_and(|cuts| match cuts.spared {
+                    // The start of a face is not known here.
+                    Some(_) if face[l] => true,
+                    Some(_) => cuts.cuts.is_spared(id) && !cuts.keep(placement, start),
+                    None => false,
+                });
+                if outside[l] & near[l] & sharp[l] == 0 || is_left {
                     undecided(*pixel);
                     continue;
                 }
+                if cuts.is_some() {
+                    let n = hits.pixels.len();
+                    hits.faces.resize(n / SIXTEEN + 1, 0);
+                    hits.faces[n / SIXTEEN] |= u32::from(face[l]) << (n % SIXTEEN);
+                }
                 hits.pixels.push(*pixel);
-                hits.starts.ids.push(ids[*pixel as usize]);
+                hits.starts.ids.push(id);
                 for k in 0..3 {
                     hits.starts.at[k].push(at[k][l]);
                     hits.normals[k].push(normal[k][l] as f32);
@@ -233,6 +329,37 @@ impl Batch<'_> {
         }
         let whole = hits.pixels.len().next_multiple_of(SIXTEEN);
         hits.normals.iter_mut().for_each(|normals| normals.resize(whole, 0.0));
+        let [x, y, z] = &hits.starts.at;
+        for plane in cuts.iter().flat_map(|cuts| cuts.planes.iter()) {
+            let PlaneFromMiddle { normal, gap, error } = PlaneFromMiddle::of(plane, placement);
+            let gaps = (0..x.len()).map(|n| gap - normal.dot(DVec3::new(x[n], y[n], z[n]))).collect();
+            hits.planes.push(PlaneGaps { normal, gaps, error });
+        }
         hits
+    }
+}
+
+/// A plane in the tree's coordinates.
+struct PlaneFromMiddle {
+    normal: DVec3,
+    gap: f64,
+    /// Bound of the error of its distance from a start.
+    error: f64,
+}
+
+impl PlaneFromMiddle {
+    fn of(plane: &EyePlane, placement: &Placement) -> Self {
+        let [gap, error] = plane.gap_at(placement.middle()).map(|x| placement.radius(x));
+        Self { normal: DVec3::from_array(plane.normal), gap, error: error + 8.0 * EPS * gap.abs() + START * plane.length }
+    }
+}
+
+impl HitCuts<'_> {
+    /// Whether all planes certainly keep a start.
+    fn keep(&self, placement: &Placement, start: [f64; 3]) -> bool {
+        self.planes.iter().all(|plane| {
+            let PlaneFromMiddle { normal, gap, error } = PlaneFromMiddle::of(plane, placement);
+            gap - normal.dot(DVec3::from_array(start)) > error
+        })
     }
 }

@@ -3,7 +3,7 @@
 
 pub(crate) mod families;
 
-use super::super::hidden::LightRay;
+use super::super::hidden::{LightRay, all_but};
 use crate::certify::given::AnyHit;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::{Judge, LightQuestion, Toward};
@@ -57,10 +57,10 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
             let lights: Vec<Toward> = chosen.map(|light| light.at(&mut random, &truth)).collect();
             let hidden = judge.hidden(i, j, &lights).expect("a hit");
             for (toward, hidden) in lights.iter().zip(hidden) {
-                let mut among = tree.others(None);
+                let mut among = all_but(None, &tree, None);
                 let answer = match point.ray(&tree.placement, toward) {
                     Some(ray) => {
-                        let ray = LightRay { tree: &tree, point: &point, ray: &ray, light: None };
+                        let ray = LightRay::new(&tree, &point, &ray, None);
                         among = ray.candidates();
                         ray.answer()
                     }
@@ -70,7 +70,7 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
                 score.unsure += u32::from(answer == AnyHit::Unsure);
                 score.rays += 1;
                 let answer = match answer {
-                    AnyHit::Unsure => bare.ask(i, j, ball, &[question]).expect("a hit")[0],
+                    AnyHit::Unsure => bare.ask(i, j, scene.spheres.solid(truth.id), &[question]).expect("a hit")[0],
                     answer => answer == AnyHit::Blocked,
                 };
                 score.acne += u32::from(answer && !hidden);

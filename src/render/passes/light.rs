@@ -3,6 +3,7 @@
 use crate::answers::hits::FirstHits;
 use crate::answers::light::{LightBuffers, Traced};
 use crate::answers::open_sky::{OpenSky, SkySums};
+use crate::cpu::hidden::HitCuts;
 use crate::cpu::light::{LightOutputs, LightingContext};
 use crate::exact::Judge;
 use crate::gpu::Gpu;
@@ -11,12 +12,13 @@ use crate::render::plan::Plan;
 use crate::render::plan::lights::{bounces, light_points};
 use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::FrameSetup;
-use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight};
+use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight, Spheres};
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::settings::{Accuracy, Settings};
 use crate::view::backdrop::Backdrop;
 use crate::view::directions::{DiscPoints, SkyDirections};
+use crate::view::planes::EyePlanes;
 use crate::view::{View, ViewRecord};
 use halfline_ground::error::Result;
 use halfline_ground::memory::Pool;
@@ -125,6 +127,8 @@ pub(in crate::render) struct LightSetup {
     pub(super) tree: Option<Arc<Tree>>,
     /// The tree over the spheres that block rays to lights and sky, where they are not all.
     pub(super) blockers: Option<Arc<Tree>>,
+    /// The tree over those of them that planes spare, which are then not in `blockers`.
+    pub(super) spared: Option<Arc<Tree>>,
     pub(super) accuracy: Accuracy,
     /// Rays leave from what viewing rays hit first among all spheres that block them: so none begins inside of one, if the eye is outside.
     pub(super) from_first: bool,
@@ -155,6 +159,11 @@ impl LightSetup {
             view,
             tree,
             blockers: self.blockers.as_deref().unwrap_or(tree),
+            cuts: scene.spheres.cuts.as_ref().map(|cuts| HitCuts {
+                cuts,
+                planes: EyePlanes::new(cuts, view.basis.e),
+                spared: self.spared.as_deref(),
+            }),
             outputs,
             judge: judge.as_ref(),
             exact: self.accuracy == Accuracy::Exact,
@@ -201,7 +210,16 @@ pub(super) fn all_spheres(at: &mut Rendering<'_>, plan: &Plan) -> LightSetup {
     let tree = log.time("tree", || renderer.order.tree(&scene.spheres, renderer.frames));
     // A device holds the hits of the viewing rays of a plane.
     let by_host = plan.given.as_ref().map(|_| "its viewing rays are those of a curved lens");
-    LightSetup { tree, blockers: None, accuracy: plan.accuracy, from_first: true, by_host }
+    let (blockers, spared) = log.time("tree", || of_cuts(&scene.spheres)).unzip();
+    LightSetup { tree, blockers, spared, accuracy: plan.accuracy, from_first: true, by_host }
+}
+
+/// Where planes cut some spheres and spare others, the tree over the ones that they do not spare, and that over the others.
+fn of_cuts(spheres: &Spheres) -> Option<(Arc<Tree>, Arc<Tree>)> {
+    let cuts = spheres.cuts.as_ref()?;
+    let (spared, others): (Vec<u32>, Vec<u32>) = (0..spheres.len() as u32).partition(|id| cuts.is_spared(*id));
+    let tree = |ids: &[u32]| Tree::of_some(&spheres.centers, &spheres.radii, ids).map(Arc::new);
+    if spared.is_empty() { None } else { tree(&others).zip(tree(&spared)) }
 }
 
 /// The buffers of lights and sky, and the colours where there are no samples.

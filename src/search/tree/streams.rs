@@ -24,6 +24,16 @@ pub(crate) struct Starts {
     pub(crate) ids: Vec<u32>,
 }
 
+/// The lengths at which rays from some starts end, in the tree's unit: bounds of them. Rays of no end have [`NO_END`].
+#[derive(Debug, Default)]
+pub(crate) struct Ends {
+    pub(crate) low: Vec<f32>,
+    pub(crate) high: Vec<f32>,
+}
+
+/// A length beyond all spheres from each of them, which lie in [-1, 1] in each coordinate.
+pub(crate) const NO_END: f32 = 8.0;
+
 /// Rays in one list, which are compared in vectors.
 #[derive(Debug, Default)]
 struct List {
@@ -217,6 +227,15 @@ pub(crate) struct Stream {
     unsure: Vec<bool>,
 }
 
+/// The starts of some rays, those with a bit in `chosen`, sixteen to a word: the spheres that they are on, and where the rays end if not
+/// infinitely far.
+#[derive(Clone, Copy)]
+pub(crate) struct Chosen<'a> {
+    pub(crate) chosen: &'a [u32],
+    pub(crate) ids: &'a [u32],
+    pub(crate) ends: Option<&'a Ends>,
+}
+
 /// The answer for a ray of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Hidden {
@@ -256,8 +275,7 @@ impl Stream {
         }
     }
 
-    /// Whether spheres hide the ends of the rays from some starts, those with a bit in `chosen`, sixteen to a word, infinitely far in the
-    /// direction, or with `backward` in its opposite. The starts lie outside of all spheres, on the surface of their own, which is behind
+    /// Whether spheres hide the ends of the rays from some starts in the direction, or with `backward` in its opposite. The starts lie outside of all spheres, on the surface of their own, which is behind
     /// them. The answers do not depend on the order of rays and spheres.
     #[inline(always)]
     pub(crate) fn trace<S: Sixteen>(
@@ -265,8 +283,9 @@ impl Stream {
         s: S,
         blockers: Blockers<'_>,
         backward: bool,
-        (chosen, ids): (&[u32], &[u32]),
+        rays: Chosen<'_>,
     ) {
+        let Chosen { chosen, ids, .. } = rays;
         let levels = blockers.tree.bounding().levels.len();
         self.lists.resize_with(self.lists.len().max(levels), List::default);
         self.unsure.clear();
@@ -288,7 +307,7 @@ impl Stream {
         }
         root.open_all(count);
         if count > 0 {
-            self.descend(s, blockers, &axes, ids);
+            self.descend(s, blockers, &axes, rays);
         }
     }
 
@@ -308,7 +327,7 @@ impl Stream {
     }
 
     #[inline(always)]
-    fn descend<S: Sixteen>(&mut self, s: S, blockers: Blockers<'_>, axes: &[[f32; 3]; 3], ids: &[u32]) {
+    fn descend<S: Sixteen>(&mut self, s: S, blockers: Blockers<'_>, axes: &[[f32; 3]; 3], rays: Chosen<'_>) {
         let Blockers { tree, error } = blockers;
         let bounding = tree.bounding();
         let lowest = bounding.levels.len() - 1;
@@ -317,7 +336,7 @@ impl Stream {
         loop {
             let level = self.waiting.len();
             if level == lowest {
-                self.test_leaves(s, blockers, group, axes, ids);
+                self.test_leaves(s, blockers, group, axes, rays);
             } else {
                 self.waiting.push(Children::of(s, &bounding.levels[level][group], group, axes, error));
             }
@@ -356,7 +375,7 @@ impl Stream {
         Blockers { tree, error }: Blockers<'_>,
         group: usize,
         axes: &[[f32; 3]; 3],
-        ids: &[u32],
+        Chosen { ids, ends, .. }: Chosen<'_>,
     ) {
         let levels = &tree.bounding().levels;
         let level = levels.len() - 1;
@@ -401,11 +420,20 @@ impl Stream {
             let distance = leaf.distance(s, list, ray);
             let low = s.at_most(s.splat(list.w[ray] - error), s.load(&leaf.w));
             let high = s.at_most(s.splat(list.w[ray] + error), s.load(&leaf.w));
-            if s.at_most(distance, s.load(&leaf.inner)) & high != 0 {
+            let mut sure = s.at_most(distance, s.load(&leaf.inner)) & high;
+            let mut mask = s.at_most(distance, s.load(&leaf.outer)) & low;
+            if let Some(Ends { low, high }) = ends {
+                let start = start(above, list, ray);
+                // Heights and lengths are off by at most twice the error together.
+                let [low, high] = [low[start] - 2.0 * error, high[start] + 2.0 * error].map(|end| list.w[ray] + end);
+                let distance = s.store(distance);
+                sure &= leaf.begins_below(low, &distance, &leaf.inner);
+                mask &= leaf.begins_below(high, &distance, &leaf.outer);
+            }
+            if sure != 0 {
                 list.close(ray);
                 continue;
             }
-            let mut mask = s.at_most(distance, s.load(&leaf.outer)) & low;
             let start = start(above, list, ray);
             while mask != 0 {
                 let place = (group * SIXTEEN + child) * SIXTEEN + mask.trailing_zeros() as usize;
@@ -485,5 +513,17 @@ impl Leaf {
     fn distance<S: Sixteen>(&self, s: S, list: &List, ray: usize) -> S::Number {
         let (du, dv) = (s.sub(s.load(&self.u), s.splat(list.u[ray])), s.sub(s.load(&self.v), s.splat(list.v[ray])));
         s.add(s.mul(du, du), s.mul(dv, dv))
+    }
+
+    /// The discs whose spheres a ray at these squares of distances enters below a height; `squares` are those of their radii.
+    #[inline(always)]
+    fn begins_below(&self, height: f32, distance: &[f32; SIXTEEN], squares: &[f32; SIXTEEN]) -> u32 {
+        let mut mask = 0;
+        for l in 0..SIXTEEN {
+            let above = self.w[l] - height;
+            let is_below = above <= 0.0 || above * above + distance[l] <= squares[l];
+            mask |= u32::from(is_below) << l;
+        }
+        mask
     }
 }

@@ -5,7 +5,7 @@ use crate::exact::judge_ray;
 use crate::scene::Spheres;
 use crate::search::tree::bounding::SIXTEEN;
 use crate::search::tree::sixteen::{Loops, Sixteen, Work16, dispatch};
-use crate::search::tree::streams::{Blockers, ERROR, Hidden, Starts, Stream};
+use crate::search::tree::streams::{Blockers, Chosen, ERROR, Hidden, Starts, Stream};
 use crate::search::tree::{Tree, WIDE};
 use crate::testing::Rng;
 use crate::view::ray::NONE;
@@ -48,11 +48,11 @@ impl Work16 for &Trace<'_> {
         let chosen: Vec<u32> =
             (0..ids.len().div_ceil(SIXTEEN)).map(|n| (1 << (ids.len() - n * SIXTEEN).min(SIXTEEN)) - 1).collect();
         stream.begin(self.direction, self.starts);
-        stream.trace(lanes, self.blockers, false, (&chosen, ids));
+        stream.trace(lanes, self.blockers, false, Chosen { chosen: &chosen, ids, ends: None });
         let forward: Vec<Hidden> = stream.answers().map(|(_, answer)| answer).collect();
         // The same way by its opposite.
         stream.begin(self.direction.map(|x| -x), self.starts);
-        stream.trace(lanes, self.blockers, true, (&chosen, ids));
+        stream.trace(lanes, self.blockers, true, Chosen { chosen: &chosen, ids, ends: None });
         assert!(stream.answers().zip(&forward).all(|((_, backward), forward)| is_alike(backward, *forward)));
         forward
     }
