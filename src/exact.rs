@@ -33,9 +33,9 @@ use filter::{AxesDd, Body, ExactCamera, FilterHit, FilterRay, FilterResult, Scre
 use halfline_ground::error::{Place, Result};
 use halfline_ground::parallel;
 use ray::RayForms;
-use secondary::{HitOf, HitPoint};
 pub(crate) use secondary::LightQuestion;
 pub use secondary::Toward;
+use secondary::{HitOf, HitPoint};
 use std::cell::OnceCell;
 use std::cmp::Ordering;
 
@@ -301,7 +301,8 @@ impl Bench {
         let camera = ExactCamera { eye, basis: AxesDd::of(&frame) };
         let make = |id: usize| {
             let ball = Ball { center: spheres.centers[id], radius: spheres.radii[id] };
-            if check_sphere(ball.center, ball.radius, Place::default).is_err() {
+            let is_removed = spheres.cuts.as_ref().is_some_and(|cuts| cuts.is_removed(id as u32));
+            if is_removed || check_sphere(ball.center, ball.radius, Place::default).is_err() {
                 return (Body::new(&frame, &camera, Ball { center: eye, radius: 1.0 }), Screen::NEVER);
             }
             let body = Body::new(&frame, &camera, ball);
@@ -421,8 +422,9 @@ impl Bench {
         let hit = self.hit_point(rays, &best, self.is_cut(best.decided.id));
         let is_hidden = |light: &Toward| {
             let light = hit.toward(*light, false);
-            let solid = |(id, body): (u32, &Body)| Solid { ball: body.ball, is_cut: self.is_cut(id) };
-            hit.hides_itself(&light) || (0..).zip(&self.bodies).any(|body| hit.is_hidden_by(&light, solid(body)))
+            let solids = (0..).zip(&self.bodies).zip(&self.screens).filter(|(_, screen)| !screen.is_never());
+            let mut solids = solids.map(|((id, body), _)| Solid { ball: body.ball, is_cut: self.is_cut(id) });
+            hit.hides_itself(&light) || solids.any(|solid| hit.is_hidden_by(&light, solid))
         };
         Some(lights.iter().map(is_hidden).collect())
     }

@@ -13,6 +13,7 @@ mod order;
 mod passes;
 mod place;
 pub mod plan;
+mod remaining;
 mod renderer;
 mod rendering;
 mod report;

@@ -29,7 +29,7 @@ use halfline_ground::memory::{entries, extend_to};
 pub(crate) use ball::{Ball, NumberedBall};
 pub use check::{MAX_SIDE, check_size};
 pub(crate) use cut::Solid;
-pub use cut::{CUT, CutPlane, Cuts, SPARED};
+pub use cut::{CUT, CutPlane, Cuts, REMOVED, SPARED};
 pub use fit::{Framing, Reach};
 pub use gradient::SkyColors;
 pub(crate) use gradient::{Gradient, SkyLight};

@@ -294,8 +294,8 @@ impl PointPlanes {
             let [gap, error] = plane.gap_at(point.ball.center).map(|x| placement.radius(x));
             let num = gap - dot3(plane.normal, point.offset);
             // Two roundings of the gap in the tree's unit, four of the product and the difference.
-            let error = (error + 4.0 * EPS * gap.abs() + plane.length * (6.0 * EPS * point.size + point.blur)) * ROUNDED
-                + TINY;
+            let error =
+                (error + 4.0 * EPS * gap.abs() + plane.length * (6.0 * EPS * point.size + point.blur)) * ROUNDED + TINY;
             let [low, high] = [num - error, num + error];
             let gap = match (num.is_finite() && error.is_finite(), is_kept) {
                 (true, true) => [low.max(0.0), high.max(0.0)],

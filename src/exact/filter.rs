@@ -180,9 +180,14 @@ impl Screen {
     /// A sphere that no ray hits.
     pub(crate) const NEVER: Self = Self { p: [0.0; 3], reach2: f64::NEG_INFINITY };
 
+    /// Whether no ray hits the sphere.
+    pub(crate) fn is_never(&self) -> bool {
+        self.reach2 < 0.0
+    }
+
     /// Converts the data to a unit of 2^`k`, for parallel rays whose origins have components up to 1 in it.
     pub(crate) fn rescale(&mut self, body: &Body, k: i32) {
-        if self.reach2 < 0.0 {
+        if self.is_never() {
             return;
         }
         let scaled = |x: f64| dd::ldexp(x, body.k - k);

@@ -334,9 +334,7 @@ impl<'a> HitPoint<'a> {
         match field.sign(power) {
             Ordering::Less => light.infinite || beyond() == Ordering::Greater,
             _ if field.sign(b) != Ordering::Greater => false,
-            Ordering::Equal => {
-                light.infinite || field.sign(&b.clone().twice().minus(&light.length2)) == Ordering::Less
-            }
+            Ordering::Equal => light.infinite || field.sign(&b.clone().twice().minus(&light.length2)) == Ordering::Less,
             Ordering::Greater => {
                 let disc = field.times(b, b).minus(&field.times(&light.length2, power));
                 match (field.sign(&disc), light.infinite) {

@@ -222,7 +222,8 @@ fn eight_rays_at_once_have_the_answers_of_each() {
                 let ball = scene.spheres.ball(id);
                 for eight in places.as_chunks().0 {
                     for ([i, j], truth) in eight.iter().zip(judge.surely_hit(eight, id)) {
-                        let alone = judge.hit_of(*i, *j, Solid { ball, is_cut: false }).map(|alone| Truth { id, ..alone });
+                        let alone =
+                            judge.hit_of(*i, *j, Solid { ball, is_cut: false }).map(|alone| Truth { id, ..alone });
                         (hits, decided) = (hits + u32::from(alone.is_some()), decided + u32::from(truth.is_some()));
                         assert!(truth.is_none() || truth == alone, "{truth:?} {alone:?}");
                     }

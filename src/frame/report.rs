@@ -3,8 +3,10 @@
 use super::outline::Outline;
 use super::tone::{Tone, Toning};
 use crate::intersect::predict::Prediction;
-use crate::scene::Sky;
 use crate::scene::camera::CameraRecord;
+use crate::scene::{CUT, CutPlane, REMOVED, Sky, Spheres};
+use halfline_ground::quote::count;
+use halfline_ground::quote::setting::CUT as SETTING_CUT;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use web_time::Instant;
@@ -27,6 +29,12 @@ pub struct Report {
     pub spheres: u64,
     /// Objects of the scene file that are not spheres and were left out; 0 from a renderer, which knows no file.
     pub skipped: u64,
+    /// The planes that cut spheres.
+    pub cuts: Vec<CutPlane>,
+    /// Spheres that a plane cuts.
+    pub spheres_cut: u64,
+    /// Spheres that lie wholly beyond a plane.
+    pub spheres_removed: u64,
     /// Viewing rays: pixels of the window.
     pub rays: u64,
     /// Rays that hit something.
@@ -123,6 +131,17 @@ impl Report {
         // Whole numbers of pixels: the share is rounded.
         let proved = (self.certified * rays).round() + self.settled as f64;
         if self.accuracy == "exact" || proved >= rays { 1.0 } else { proved / rays }
+    }
+
+    /// Adds what planes do to the spheres of a scene.
+    pub(crate) fn add_cuts(&mut self, spheres: &Spheres) {
+        let Some(cuts) = &spheres.cuts else { return };
+        self.spheres = spheres.len() as u64;
+        self.cuts.clone_from(&cuts.planes);
+        (self.spheres_cut, self.spheres_removed) = (cuts.count(CUT), cuts.count(REMOVED));
+        if self.spheres_removed == self.spheres {
+            self.warnings.push(format!("{SETTING_CUT} removes all {}", count(self.spheres, "sphere")));
+        }
     }
 
     /// Exposure and curve of pictures in 8 and 16 bits.

@@ -54,12 +54,14 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::render`] that occur before a ray is traced.
     pub fn explain(&mut self, scene: &Scene, settings: &Settings) -> Result<Explanation> {
-        let explained = |this: &mut Self, plan: Plan, rays: FrameRays| {
-            explanation(&mut Rendering::new(this, scene, settings, rays), plan)
-        };
-        let (mut explanation, blocker) = self.planned(scene, settings, explained)?;
-        explanation.warnings.extend(blocker);
-        Ok(explanation)
+        self.with_remaining(scene, |this, scene| {
+            let explained = |this: &mut Self, plan: Plan, rays: FrameRays| {
+                explanation(&mut Rendering::new(this, scene, settings, rays), plan)
+            };
+            let (mut explanation, blocker) = this.planned(scene, settings, explained)?;
+            explanation.warnings.extend(blocker);
+            Ok(explanation)
+        })
     }
 
     /// The WGSL that would be compiled for `scene` on an adapter: every shader of a frame, one after the other, with its purpose

@@ -23,9 +23,13 @@ impl Renderer {
         if scene.lighting.sky.is_some_and(|sky| sky.at_centers) && settings.asks(&[Aov::Color]) {
             self.try_drawing();
         }
-        let work = |this: &mut Self, plan: Plan, rays: FrameRays| this.frame(plan, rays, scene, settings);
-        let (mut frame, blocker) = self.planned(scene, settings, work)?;
-        frame.report.warnings.extend(blocker);
+        let mut frame = self.frame_of_remaining(scene, |this, scene| {
+            let work = |this: &mut Self, plan: Plan, rays: FrameRays| this.frame(plan, rays, scene, settings);
+            let (mut frame, blocker) = this.planned(scene, settings, work)?;
+            frame.report.warnings.extend(blocker);
+            Ok(frame)
+        })?;
+        frame.report.add_cuts(&scene.spheres);
         Ok(frame)
     }
 
@@ -34,14 +38,18 @@ impl Renderer {
     /// # Errors
     /// Errors of [`Renderer::render`] that do not depend on rays.
     pub fn dry_run(&mut self, scene: &Scene, settings: &Settings) -> Result<Report> {
-        let known = |this: &mut Self, plan: Plan, rays: FrameRays| {
-            let mut at = Rendering::new(this, scene, settings, rays);
-            let plan = setup::decided(&mut at, plan, Raster::centres(rays.window))?;
-            let mut report = report::known(&at, &plan);
-            report.warnings.extend(at.log.warnings());
-            Ok(report)
-        };
-        self.planned(scene, settings, known).map(|(report, _)| report)
+        let mut report = self.with_remaining(scene, |this, scene| {
+            let known = |this: &mut Self, plan: Plan, rays: FrameRays| {
+                let mut at = Rendering::new(this, scene, settings, rays);
+                let plan = setup::decided(&mut at, plan, Raster::centres(rays.window))?;
+                let mut report = report::known(&at, &plan);
+                report.warnings.extend(at.log.warnings());
+                Ok(report)
+            };
+            this.planned(scene, settings, known).map(|(report, _)| report)
+        })?;
+        report.add_cuts(&scene.spheres);
+        Ok(report)
     }
 
     /// Renders the window of a frame: the passes of [`PASSES`](super::passes::PASSES), each with the outputs of those before it.

@@ -6,10 +6,11 @@ use crate::dyadic::{self, Dyadic};
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::check;
 use halfline_ground::parallel::{self, CHEAP};
+use serde::Serialize;
 use std::cmp::Ordering;
 
 /// A plane N.p = D. What has N.p > D is removed.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct CutPlane {
     /// N, of any length but zero, toward what is removed.
     pub normal: [f64; 3],
@@ -22,8 +23,8 @@ pub struct CutPlane {
 pub struct Cuts {
     /// The planes. A point is kept that all of them keep.
     pub planes: Vec<CutPlane>,
-    /// [`CUT`] for a sphere that some plane cuts, [`SPARED`] for one that no plane may cut though it is not wholly kept; 0 for one that
-    /// lies wholly on the kept side.
+    /// [`CUT`] for a sphere that some plane cuts, [`REMOVED`] for one that lies wholly beyond a plane, [`SPARED`] for one that no plane may
+    /// cut though it is not wholly kept; 0 for one that lies wholly on the kept side.
     pub of: List<u8>,
 }
 
@@ -31,6 +32,8 @@ pub struct Cuts {
 pub const CUT: u8 = 1;
 /// The flag of a sphere that no plane may cut, and that lies on the removed side at least in part.
 pub const SPARED: u8 = 2;
+/// The flag of a sphere that lies wholly beyond a plane.
+pub const REMOVED: u8 = 3;
 
 /// A sphere as it stands among planes: whole, or what they keep of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,9 +54,10 @@ enum Side {
 impl Side {
     fn flag(self) -> u8 {
         match self {
-            Self::Kept | Self::Removed => 0,
+            Self::Kept => 0,
             Self::Cut => CUT,
             Self::Spared => SPARED,
+            Self::Removed => REMOVED,
         }
     }
 }
@@ -125,6 +129,18 @@ impl Cuts {
         self.of.get(id as usize) == Some(&CUT)
     }
 
+    /// Whether a sphere lies wholly beyond a plane.
+    #[inline(always)]
+    pub(crate) fn is_removed(&self, id: u32) -> bool {
+        self.of.get(id as usize) == Some(&REMOVED)
+    }
+
+    /// The number of spheres with a flag.
+    #[must_use]
+    pub fn count(&self, flag: u8) -> u64 {
+        parallel::count(self.of.len(), |n| self.of[n] == flag) as u64
+    }
+
     /// Whether a sphere is whole beyond planes.
     #[inline(always)]
     pub(crate) fn is_spared(&self, id: u32) -> bool {
@@ -133,17 +149,17 @@ impl Cuts {
 }
 
 impl Spheres {
-    /// Cuts spheres by planes: those wholly beyond a plane are removed, those that a plane passes through are cut. `may` has a
-    /// flag for each sphere that may be cut or removed; `None` for all. Returns the flags of the spheres that stay. Planes
-    /// of before are replaced. Places and radii are final before: where they change later, spheres have to be cut again.
+    /// Cuts spheres by planes: those wholly beyond a plane are removed, those that a plane passes through are cut. All keep their ids. `may`
+    /// has a flag for each sphere that may be cut or removed; `None` for all. Planes of before are replaced. Places and radii are final
+    /// before: where they change later, spheres have to be cut again.
     ///
     /// # Errors
     /// As [`CutPlane::check`]; [`Error::Limits`] where memory is short.
-    pub fn cut(&mut self, planes: &[CutPlane], may: Option<&[bool]>) -> Result<Vec<bool>> {
+    pub fn cut(&mut self, planes: &[CutPlane], may: Option<&[bool]>) -> Result<()> {
         for (n, plane) in planes.iter().enumerate() {
             plane.check(|| Place::field(format!("cut {n}")))?;
         }
-        check(3 * self.len() as u64, || format!("the cuts of {} spheres", self.len()))?;
+        check(2 * self.len() as u64, || format!("the cuts of {} spheres", self.len()))?;
         let side = |n: usize| {
             let sides = planes.iter().map(|plane| plane.side(self.ball(n as u32)));
             let side = sides.fold(Side::Kept, |all, side| match (all, side) {
@@ -154,16 +170,11 @@ impl Spheres {
             let is_spared = side != Side::Kept && may.is_some_and(|may| !may[n]);
             if is_spared { Side::Spared } else { side }
         };
-        let sides: Vec<Side> = parallel::collect(self.len(), CHEAP, &|range, sides| sides.extend(range.map(side)));
-        let stays: Vec<bool> = sides.iter().map(|side| *side != Side::Removed).collect();
-        self.cuts = sides.contains(&Side::Cut).then(|| Cuts {
-            planes: planes.to_vec(),
-            of: sides.iter().map(|side| side.flag()).collect::<Vec<_>>().into(),
-        });
-        if stays.contains(&false) {
-            self.keep(&stays);
-        }
-        Ok(stays)
+        let of: Vec<u8> =
+            parallel::collect(self.len(), CHEAP, &|range, flags| flags.extend(range.map(|n| side(n).flag())));
+        let cuts = Cuts { planes: planes.to_vec(), of: of.into() };
+        self.cuts = Some(cuts).filter(|cuts| cuts.of.iter().any(|flag| [CUT, REMOVED].contains(flag)));
+        Ok(())
     }
 
     /// Whether some plane cuts a sphere.
@@ -228,12 +239,13 @@ mod tests {
         let planes =
             [CutPlane { normal: [1.0, 0.0, 0.0], distance: 0.5 }, CutPlane { normal: [0.0, 1.0, 0.0], distance: 4.5 }];
         let before = all.clone();
-        assert_eq!(all.cut(&planes, None).expect("planes"), [true, false, true, true]);
-        assert_eq!([0, 1, 2].map(|id| all.is_cut(id)), [true, true, false]);
+        all.cut(&planes, None).expect("planes");
+        assert_eq!(all.cuts.as_ref().expect("cuts").of[..], [CUT, REMOVED, CUT, 0]);
+        assert_eq!([CUT, REMOVED, SPARED].map(|flag| all.cuts.as_ref().expect("cuts").count(flag)), [2, 1, 0]);
         assert_eq!(all.cuts.as_ref().expect("cuts").planes, planes);
         // Spared ones are whole, wherever they are.
         let mut some = before.clone();
-        assert_eq!(some.cut(&planes, Some(&[false, false, true, true])).expect("planes"), [true; 4]);
+        some.cut(&planes, Some(&[false, false, true, true])).expect("planes");
         assert_eq!(some.cuts.as_ref().expect("cuts").of[..], [SPARED, SPARED, CUT, 0]);
         let mut none = before.clone();
         none.cut(&[CutPlane { normal: [0.0, 0.0, 1.0], distance: 7.0 }], None).expect("a plane");

@@ -80,6 +80,21 @@ impl Spheres {
         add_some(&mut self.opacities, others.opacities.as_ref(), indices);
     }
 
+    /// Whether all lists but the flags of cuts are the very ones of others, which no one can change.
+    pub(crate) fn is_same(&self, others: &Self) -> bool {
+        fn same<T>(own: Option<&List<T>>, other: Option<&List<T>>) -> bool {
+            own.zip(other).map_or(own.is_none() && other.is_none(), |(own, other)| own.is_same(other))
+        }
+        fn kinds(spheres: &Spheres) -> Option<&List<u32>> {
+            spheres.materials.as_ref().map(|materials| &materials.of)
+        }
+        self.centers.is_same(&others.centers)
+            && self.radii.is_same(&others.radii)
+            && same(self.colors.as_ref(), others.colors.as_ref())
+            && same(self.opacities.as_ref(), others.opacities.as_ref())
+            && same(kinds(self), kinds(others))
+    }
+
     /// Whether all lists but the materials have this length.
     pub(crate) fn have_lengths(&self, count: usize) -> bool {
         let lengths = [self.colors.as_ref().map(|list| list.len()), self.opacities.as_ref().map(|list| list.len())];

@@ -205,7 +205,8 @@ impl<'a> PictureRays<'a> {
     fn hits_by(&self, kind: RayKind, shown: &ShownBalls) -> PictureHits {
         let none = [0; LANES];
         let (normal, facing, depth) = ([[0.0; LANES]; 3], [0.0; LANES], [0.0; LANES]);
-        let mut hits = PictureHits { normal, facing, outside: none, near: none, sharp: none, face: [false; LANES], depth };
+        let mut hits =
+            PictureHits { normal, facing, outside: none, near: none, sharp: none, face: [false; LANES], depth };
         for l in 0..LANES {
             hits.set(l, self.hit_at(kind, shown.position(l), shown.center(l), shown.radius(l)));
         }

@@ -293,43 +293,41 @@ fn light_at_cut_spheres_is_exact() {
             // Every second family with spared spheres, in the next scene the others.
             for (name, planes) in planes(&whole, eye, &mut rng) {
                 turn += 1;
-                for may in [Some((0..whole.len()).map(|n| n % 7 != 0).collect::<Vec<bool>>()).filter(|_| turn % 2 > 0)] {
-                    let mut cut = whole.clone();
-                    cut.cut(&planes, may.as_deref()).expect("planes");
-                    let mut scene = oblique::scene(SIZE, eye, at, lens, cut);
-                    let place = DVec3::from_array(std::array::from_fn(|k| at[k] + [3.0, 4.0, 1.0][k]));
-                    let sources = [
-                        LightSource::Direction(DVec3::new(0.3, 0.5, 1.0)),
-                        LightSource::Point(place),
-                        LightSource::Direction(planes[0].normal.into()),
-                    ];
-                    let lights = sources.map(Light::white).to_vec();
-                    let sky = Some(Sky { rays: 4, ..Sky::AT_CENTERS });
-                    scene.lighting = Lighting { lights, shadows: true, sky, ..Lighting::default() };
-                    let judge = Judge::new(&scene).expect("a scene");
-                    let (renderer, what) = (&mut cpu(), format!("{seed} {at:?} {name} {lens:?} {}", may.is_some()));
-                    let found = renderer.render(&scene, &settings).expect("a frame");
-                    // A ray that the judge decides takes a thousand times as long: those of a part.
-                    let window = Window { x0: 20, y0: 13, x1: 32, y1: 19 };
-                    let exact =
-                        Settings { accuracy: Accuracy::Exact, window: Some(window), ..settings.clone() };
-                    let exact = renderer.render(&scene, &exact).expect("a frame");
-                    for aov in [Aov::Id, Aov::Shadow, Aov::Occlusion] {
-                        assert_eq!(found.cut(window).bits(aov), exact.bits(aov), "{what}: {aov:?}");
-                    }
-                    let toward = sources.map(|source| match source {
-                        LightSource::Point(place) => Toward::Point(place.to_array()),
-                        LightSource::Direction(direction) => Toward::Direction(direction.to_array()),
-                        _ => unreachable!("without a size"),
-                    });
-                    let shadow = found.f32(Aov::Shadow).expect("shadows");
-                    for pixel in (0..found.ids().len()).step_by(61) {
-                        let (i, j) = (pixel as u32 / SIZE[0], pixel as u32 % SIZE[0]);
-                        let Some(expected) = judge.hidden(i, j, &toward) else { continue };
-                        for (n, is_hidden) in expected.into_iter().enumerate() {
-                            assert_eq!(shadow[sources.len() * pixel + n] > 0.5, is_hidden, "{what}: {i}, {j}, light {n}");
-                            (rays, hidden) = (rays + 1, hidden + u64::from(is_hidden));
-                        }
+                let may = (turn % 2 > 0).then(|| (0..whole.len()).map(|n| n % 7 != 0).collect::<Vec<bool>>());
+                let mut cut = whole.clone();
+                cut.cut(&planes, may.as_deref()).expect("planes");
+                let mut scene = oblique::scene(SIZE, eye, at, lens, cut);
+                let place = DVec3::from_array(std::array::from_fn(|k| at[k] + [3.0, 4.0, 1.0][k]));
+                let sources = [
+                    LightSource::Direction(DVec3::new(0.3, 0.5, 1.0)),
+                    LightSource::Point(place),
+                    LightSource::Direction(planes[0].normal.into()),
+                ];
+                let lights = sources.map(Light::white).to_vec();
+                let sky = Some(Sky { rays: 4, ..Sky::AT_CENTERS });
+                scene.lighting = Lighting { lights, shadows: true, sky, ..Lighting::default() };
+                let judge = Judge::new(&scene).expect("a scene");
+                let (renderer, what) = (&mut cpu(), format!("{seed} {at:?} {name} {lens:?} {}", may.is_some()));
+                let found = renderer.render(&scene, &settings).expect("a frame");
+                // A ray that the judge decides takes a thousand times as long: those of a part.
+                let window = Window { x0: 20, y0: 13, x1: 32, y1: 19 };
+                let exact = Settings { accuracy: Accuracy::Exact, window: Some(window), ..settings.clone() };
+                let exact = renderer.render(&scene, &exact).expect("a frame");
+                for aov in [Aov::Id, Aov::Shadow, Aov::Occlusion] {
+                    assert_eq!(found.cut(window).bits(aov), exact.bits(aov), "{what}: {aov:?}");
+                }
+                let toward = sources.map(|source| match source {
+                    LightSource::Point(place) => Toward::Point(place.to_array()),
+                    LightSource::Direction(direction) => Toward::Direction(direction.to_array()),
+                    _ => unreachable!("without a size"),
+                });
+                let shadow = found.f32(Aov::Shadow).expect("shadows");
+                for pixel in (0..found.ids().len()).step_by(61) {
+                    let (i, j) = (pixel as u32 / SIZE[0], pixel as u32 % SIZE[0]);
+                    let Some(expected) = judge.hidden(i, j, &toward) else { continue };
+                    for (n, is_hidden) in expected.into_iter().enumerate() {
+                        assert_eq!(shadow[sources.len() * pixel + n] > 0.5, is_hidden, "{what}: {i}, {j}, light {n}");
+                        (rays, hidden) = (rays + 1, hidden + u64::from(is_hidden));
                     }
                 }
             }
@@ -348,9 +346,7 @@ fn what_takes_spheres_for_whole_is_refused() {
     let plain = Settings { aovs: vec![Aov::Color], ..Settings::default() };
     for (backend, mut renderer) in renderers() {
         renderer.render(&scene, &plain).expect("a picture");
-        for (what, settings) in [
-            ("fast", Settings { accuracy: Accuracy::Fast, ..plain.clone() }),
-        ] {
+        for (what, settings) in [("fast", Settings { accuracy: Accuracy::Fast, ..plain.clone() })] {
             let error = renderer.render(&scene, &settings).map(drop).expect_err(what).to_string();
             assert!(error.contains("planes cut some spheres"), "{what}, {backend:?}: {error}");
         }

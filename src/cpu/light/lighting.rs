@@ -1,7 +1,7 @@
 //! A scene set up for its lights.
 
-use super::surface::Surface;
 use super::super::hidden::HitCuts;
+use super::surface::Surface;
 use crate::answers::light::Traced;
 use crate::answers::open_sky::OpenSky;
 use crate::certify::cut::CutRay;
@@ -94,10 +94,8 @@ impl LightingContext<'_> {
         };
         let whole = || SurfacePoint::of_pixel(self.view, placement, [i, j], sphere);
         let point = match &self.cuts {
-            Some(cuts) if cuts.cuts.is_cut(id) => {
-                CutRay::of_pixel(&cuts.planes, self.view, placement, [i, j])
-                    .and_then(|ray| Some(ray.point(&cuts.planes, sphere, ray.hit(sphere, true)?)))
-            }
+            Some(cuts) if cuts.cuts.is_cut(id) => CutRay::of_pixel(&cuts.planes, self.view, placement, [i, j])
+                .and_then(|ray| Some(ray.point(&cuts.planes, sphere, ray.hit(sphere, true)?))),
             _ => Some(whole()),
         };
         match self.judge {

@@ -154,12 +154,7 @@ impl<'a> PointLight<'a> {
     }
 
     /// The ray from the point to a light among the spheres that may hide it.
-    fn light_ray_of<'r>(
-        &'r self,
-        point: &'r SurfacePoint,
-        ray: &'r CertifiedRay,
-        light: Option<Ball>,
-    ) -> LightRay<'r> {
+    fn light_ray_of<'r>(&'r self, point: &'r SurfacePoint, ray: &'r CertifiedRay, light: Option<Ball>) -> LightRay<'r> {
         let whole = LightRay::new(self.lighting.blockers, point, ray, light);
         match &self.lighting.cuts {
             Some(cuts) => whole.cut_by(cuts, &self.planes),

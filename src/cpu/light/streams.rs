@@ -174,7 +174,8 @@ impl Work16 for Batch<'_> {
             hits.sides(s, *direction, &mut sides, |n| set(n, undecided));
             stream.begin(*direction, &hits.starts);
             // A direction toward the sky is meant up to its sign; the sphere of a point hides a light behind it.
-            for (backward, chosen) in [false, true].into_iter().zip(&mut sides).take(if ray < count.rays { 2 } else { 1 })
+            for (backward, chosen) in
+                [false, true].into_iter().zip(&mut sides).take(if ray < count.rays { 2 } else { 1 })
             {
                 // A face looks into what its plane removes.
                 hits.faces(chosen, |n| set(n, ray));
@@ -350,7 +351,11 @@ struct PlaneFromMiddle {
 impl PlaneFromMiddle {
     fn of(plane: &EyePlane, placement: &Placement) -> Self {
         let [gap, error] = plane.gap_at(placement.middle()).map(|x| placement.radius(x));
-        Self { normal: DVec3::from_array(plane.normal), gap, error: error + 8.0 * EPS * gap.abs() + START * plane.length }
+        Self {
+            normal: DVec3::from_array(plane.normal),
+            gap,
+            error: error + 8.0 * EPS * gap.abs() + START * plane.length,
+        }
     }
 }
 

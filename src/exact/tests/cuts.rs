@@ -225,7 +225,7 @@ impl WholeScene {
         Ok(best.map(|(found, _)| found))
     }
 
-    fn spheres(&self) -> (Spheres, Vec<bool>) {
+    fn spheres(&self) -> Spheres {
         let mut spheres = Spheres::default();
         for (c, r) in &self.balls {
             spheres.push(c.map(|x| x as f64), *r as f64, None);
@@ -233,13 +233,8 @@ impl WholeScene {
         let plane = |(n, d): &(Whole, i128)| CutPlane { normal: n.map(|x| x as f64), distance: *d as f64 };
         let planes: Vec<CutPlane> = self.planes.iter().map(plane).collect();
         let may: Vec<bool> = self.spared.iter().map(|spared| !spared).collect();
-        let stays = spheres.cut(&planes, Some(&may)).expect("planes");
-        (spheres, stays)
-    }
-
-    /// The index of each sphere that stays.
-    fn places(stays: &[bool]) -> Vec<usize> {
-        stays.iter().enumerate().filter(|(_, stays)| **stays).map(|(n, _)| n).collect()
+        spheres.cut(&planes, Some(&may)).expect("planes");
+        spheres
     }
 }
 
@@ -249,14 +244,10 @@ fn first_hits_of_cut_balls_are_those_of_whole_numbers() {
     let (mut roots, mut misses, mut unsure) = ([0; 3], 0, 0);
     for n in 0..60_000 {
         let scene = WholeScene::random(&mut rng);
-        let (spheres, stays) = scene.spheres();
-        let sides = scene.sides();
-        for (id, (removed, _)) in sides.iter().enumerate() {
-            assert_eq!(stays[id], !removed, "{scene:?}, sphere {id}");
-        }
-        let places = WholeScene::places(&stays);
-        for (id, place) in (0..).zip(&places) {
-            assert_eq!(spheres.is_cut(id), sides[*place].1, "{scene:?}, sphere {place}");
+        let (spheres, sides) = (scene.spheres(), scene.sides());
+        for (id, (removed, cut)) in (0..).zip(sides) {
+            let is_removed = spheres.cuts.as_ref().is_some_and(|cuts| cuts.is_removed(id));
+            assert_eq!((is_removed, spheres.is_cut(id)), (removed, cut && !removed), "{scene:?}, sphere {id}");
         }
         let Ok(expected) = scene.first() else {
             unsure += 1;
@@ -267,8 +258,7 @@ fn first_hits_of_cut_balls_are_those_of_whole_numbers() {
         match (expected, found) {
             (None, None) => misses += 1,
             (Some(expected), Some(truth)) => {
-                let id = places[truth.id as usize];
-                assert_eq!((id, truth.root), (expected.id, expected.root), "{n}: {scene:?}");
+                assert_eq!((truth.id as usize, truth.root), (expected.id, expected.root), "{n}: {scene:?}");
                 assert!((truth.t - expected.t).abs() <= 1e-14 * expected.t, "{n}: {scene:?}");
                 roots[match truth.root {
                     Root::Near => 0,
@@ -311,7 +301,7 @@ fn pixels_of_cut_balls_are_those_of_given_rays() {
     let mut counts = [0; 2];
     for n in 0..300 {
         let scene = WholeScene::random(&mut rng);
-        let (spheres, _) = scene.spheres();
+        let spheres = scene.spheres();
         let eye = scene.origin.map(|x| x as f64);
         // Right is (4, -3, 0)/5 and up z, so that alpha and beta are 5.
         let look = Look::View([3.0, 4.0, 0.0].into());
@@ -417,8 +407,7 @@ fn lights_from_hits_among_cut_balls_are_those_of_whole_numbers() {
     let (mut counts, mut beyond) = ([[0; 2]; 3], 0);
     for n in 0..60_000 {
         let scene = WholeScene::random(&mut rng);
-        let (spheres, stays) = scene.spheres();
-        let (sides, places) = (scene.sides(), WholeScene::places(&stays));
+        let (spheres, sides) = (scene.spheres(), scene.sides());
         let Ok(Some(found)) = scene.first() else { continue };
         let (q, kept) = (scene.quadratic(found.id), scene.interval());
         let at = match (found.root, whole_root(q.b * q.b - q.a * q.c)) {
@@ -454,8 +443,13 @@ fn lights_from_hits_among_cut_balls_are_those_of_whole_numbers() {
         let [origin, direction] = [scene.origin, scene.direction].map(|x| x.map(|x| x as f64));
         let bench = Bench::new(ExactFrame::world(origin), origin, &spheres);
         let rays = RayForms::along(direction);
-        assert_eq!(places[bench.nearest(&rays, 0..spheres.len() as u32, f64::INFINITY).expect("a hit").id as usize], found.id);
-        assert_eq!(bench.hidden(&rays, &toward).expect("a hit"), expected, "{n}: {found:?} at {at:?} of {scene:?}, {toward:?}");
+        let nearest = bench.nearest(&rays, 0..spheres.len() as u32, f64::INFINITY);
+        assert_eq!(nearest.expect("a hit").id as usize, found.id);
+        assert_eq!(
+            bench.hidden(&rays, &toward).expect("a hit"),
+            expected,
+            "{n}: {found:?} at {at:?} of {scene:?}, {toward:?}"
+        );
         for hidden in expected {
             counts[found.root as usize][usize::from(hidden)] += 1;
         }

@@ -118,16 +118,14 @@ pub(super) fn light_through(at: &mut Rendering<'_>, plan: &Plan, opaque: &Opaque
     match blockers {
         // Rays that go on from mirrors meet all spheres.
         Some(blockers) if bounces(scene) > 0 => LightSetup { blockers, by_host, ..all_spheres(at, plan) },
-        Some(blockers) => {
-            LightSetup {
-                tree: blockers.clone(),
-                blockers,
-                spared: None,
-                accuracy: plan.accuracy,
-                from_first: true,
-                by_host,
-            }
-        }
+        Some(blockers) => LightSetup {
+            tree: blockers.clone(),
+            blockers,
+            spared: None,
+            accuracy: plan.accuracy,
+            from_first: true,
+            by_host,
+        },
         // Opaque spheres, and translucent ones behind the first, may lie inside of translucent ones.
         None => LightSetup { from_first: false, by_host, ..all_spheres(at, plan) },
     }

@@ -278,13 +278,7 @@ impl Stream {
     /// Whether spheres hide the ends of the rays from some starts in the direction, or with `backward` in its opposite. The starts lie outside of all spheres, on the surface of their own, which is behind
     /// them. The answers do not depend on the order of rays and spheres.
     #[inline(always)]
-    pub(crate) fn trace<S: Sixteen>(
-        &mut self,
-        s: S,
-        blockers: Blockers<'_>,
-        backward: bool,
-        rays: Chosen<'_>,
-    ) {
+    pub(crate) fn trace<S: Sixteen>(&mut self, s: S, blockers: Blockers<'_>, backward: bool, rays: Chosen<'_>) {
         let Chosen { chosen, ids, .. } = rays;
         let levels = blockers.tree.bounding().levels.len();
         self.lists.resize_with(self.lists.len().max(levels), List::default);
