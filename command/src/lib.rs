@@ -24,6 +24,7 @@ mod clash;
 #[cfg(feature = "measure")]
 mod compare;
 mod config;
+mod cut_args;
 mod exhaustion;
 mod failure;
 mod file_args;

@@ -17,7 +17,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// The heading of the options that change how the spheres look.
-const LOOK: &str = "Spheres and colours";
+pub(super) const LOOK: &str = "Spheres and colours";
 
 /// The heading of the options that select particles.
 const SELECTION: &str = "Selection";

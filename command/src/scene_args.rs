@@ -3,6 +3,7 @@
 use super::camera_args::CameraArgs;
 use super::camera_list::list_in;
 use super::clash::{check_inputs, check_numbered, place};
+use super::cut_args::CutArgs;
 use super::file_args::FileArgs;
 use super::inset_args::InsetArgs;
 use super::light_args::{LightArgs, LookRequest};
@@ -17,7 +18,7 @@ use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::frame::tone::{Tone, Toning};
 use halfline::intersect::Method;
-use halfline::quote::setting::{LEAST_SIZE, SIZE};
+use halfline::quote::setting::{CUT, LEAST_SIZE, SIZE};
 use halfline::render::stream::PartView;
 use halfline::scene::{MAX_SIDE, Scene};
 use halfline::settings::{Accuracy, Backend, FileLook, Outline, Settings, Tolerance};
@@ -53,6 +54,8 @@ pub(super) struct SceneArgs {
     pub(super) skip_invalid: bool,
     #[command(flatten)]
     pub(super) color: ColorArgs,
+    #[command(flatten)]
+    pub(super) cut: CutArgs,
     #[command(flatten)]
     pub(super) camera: CameraArgs,
     #[command(flatten)]
@@ -307,6 +310,10 @@ impl SceneArgs {
     pub(super) fn check_size(&self, view: &PartView) -> Result<()> {
         if self.image.least_size.is_some() {
             let problem = format!("{LEAST_SIZE}: what hides what in parts is that of spheres of their own size");
+            return Err(Error::settings(problem, "remove it"));
+        }
+        if self.cut.is_given() {
+            let problem = format!("{CUT}: what hides what in parts is that of whole spheres");
             return Err(Error::settings(problem, "remove it"));
         }
         let [w, h] = view.size;

@@ -179,7 +179,9 @@ pub(super) fn sequence(
     cancel: &Cancel,
 ) -> Result<(Sequence, Option<(Camera, DVec3)>)> {
     let keep = match keep {
-        Keep::Nothing if args.insets.has_marks() || !args.files.cryptomatte.is_empty() => Keep::All,
+        Keep::Nothing if args.insets.has_marks() || args.cut.selects() || !args.files.cryptomatte.is_empty() => {
+            Keep::All
+        }
         keep => keep,
     };
     let mut options = options(args, cancel)?;
@@ -254,6 +256,7 @@ pub(super) fn with_light(
         let warning = || format!("{enlarged} of {all} spheres are enlarged to {pixels} pixels, in every buffer");
         frame.skipped.assumed.extend((enlarged > 0).then(warning));
     }
+    frame.cut(&args.cut.rules())?;
     // The light from above left belongs to the final camera.
     let look = args.light.apply(&mut frame, aovs, request, lens)?;
     let (marked, notes) = frame.marked(&args.insets.marks())?;

@@ -2,6 +2,7 @@
 
 use super::camera_args::CameraArgs;
 use super::clash::check_inputs;
+use super::cut_args::CutArgs;
 use super::lens_args::PictureLens;
 use super::messages::note;
 use super::option_table::{NO_PART, has};
@@ -76,7 +77,8 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
         return Err(Error::settings("--legend-in: parts have no legend", "remove it"));
     }
     // Options that were applied when the parts were made.
-    let groups = CameraArgs::augment_args(ColorArgs::augment_args(ReadArgs::augment_args(Command::new("parts"))));
+    let groups = CutArgs::augment_args(Command::new("parts"));
+    let groups = CameraArgs::augment_args(ColorArgs::augment_args(ReadArgs::augment_args(groups)));
     let all = SceneArgs::augment_args(Command::new("render"));
     let others = all.get_arguments().filter(|arg| ["crop", "tile", "skip_invalid"].contains(&arg.get_id().as_str()));
     let applied = groups.get_arguments().chain(others);

@@ -3,6 +3,7 @@
 
 pub mod cameras;
 mod clip;
+pub mod cut;
 mod fixed_camera;
 pub mod info;
 pub mod mark;

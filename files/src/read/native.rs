@@ -15,7 +15,7 @@ use halfline::error::{Error, Place, Result, relocate};
 use halfline::memory::{check, reserve};
 use halfline::progress::Watch;
 use halfline::scene::camera::{Aperture, Camera, Lens, Look};
-use halfline::scene::{ImagePlane, Scene, Spheres, check_sphere};
+use halfline::scene::{CutPlane, ImagePlane, Scene, Spheres, check_sphere};
 use halfline::settings::FileLook;
 use halfline_particles::Skipped;
 use halfline_particles::input::Input;
@@ -40,6 +40,7 @@ pub(super) struct Read {
     pub(super) look: FileLook,
     /// The size of the camera's lens.
     pub(super) aperture: Option<Aperture>,
+    pub(super) cuts: Vec<CutPlane>,
     /// The files in `[[spheres]]`.
     pub(super) files: Vec<PathBuf>,
 }
@@ -47,7 +48,7 @@ pub(super) struct Read {
 impl Read {
     /// A scene of which nothing else is known.
     pub(super) fn of((scene, skipped): (Scene, Skipped)) -> Self {
-        Self { scene, skipped, look: FileLook::default(), aperture: None, files: Vec::new() }
+        Self { scene, skipped, look: FileLook::default(), aperture: None, cuts: Vec::new(), files: Vec::new() }
     }
 }
 
@@ -135,7 +136,7 @@ impl Document<'_> {
     fn read(&self, is_whole: bool) -> Result<(Read, Vec<NamedSpheres>)> {
         let root = DeTable::parse(self.text.text).map_err(|e| self.syntax(e))?;
         let root = TomlTable::top(self.text, root.get_ref());
-        root.allow(&["camera", "image", "sphere", "spheres", "light", "sky", "occlusion"])?;
+        root.allow(&["camera", "image", "sphere", "spheres", "light", "sky", "occlusion", "cut"])?;
         let image::Read { image, background, look } = match root.get("image") {
             Some(table) => image::read(&table.table(TomlName::part("image"))?)?,
             None => image::Read::default(),
@@ -154,6 +155,7 @@ impl Document<'_> {
             }
             named.push(more);
         }
+        let cuts = root.tables("cut")?.map(|table| cut(&table?)).collect::<Result<_>>()?;
         let lighting = light::read(&root, if is_whole { spheres.len() } else { usize::MAX })?;
         let mut scene = Scene { camera, image, spheres, lighting };
         // Where the sky's colours are not to be seen, what stands for it is the colour of its horizon.
@@ -164,7 +166,7 @@ impl Document<'_> {
             scene.set_background(color);
         }
         let files = named.iter().map(|more| more.path.clone()).collect();
-        Ok((Read { scene, skipped, look, aperture, files }, named))
+        Ok((Read { scene, skipped, look, aperture, cuts, files }, named))
     }
 
     fn syntax(&self, error: toml::de::Error) -> Error {
@@ -253,4 +255,13 @@ impl Document<'_> {
         spheres.set_opacity_from(spheres.len() - 1, opacity);
         Ok(())
     }
+}
+
+/// A plane of `[[cut]]`.
+fn cut(table: &TomlTable<'_>) -> Result<CutPlane> {
+    table.allow(&["normal", "distance"])?;
+    let (normal, distance) = (table.need("normal")?, table.need("distance")?);
+    let plane = CutPlane { normal: normal.numbers()?, distance: distance.number()? };
+    plane.check(|| normal.place())?;
+    Ok(plane)
 }

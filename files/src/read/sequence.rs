@@ -12,7 +12,7 @@ use halfline::quote::setting::{FRAMES, HOLD, MODEL, RANGE, UNWRAP, WRAP};
 use halfline::scene::arrange::{Arrangement, Bead};
 use halfline::scene::camera::{Aperture, Camera};
 use halfline::scene::instances::Instances;
-use halfline::scene::{Cell, Framing, ImagePlane, Lighting, Scene, Spheres};
+use halfline::scene::{Cell, CutPlane, Framing, ImagePlane, Lighting, Scene, Spheres};
 use halfline::settings::FileLook;
 use halfline_particles::input::Input;
 use halfline_particles::open::open;
@@ -69,6 +69,8 @@ pub struct SceneFrame {
     pub look: FileLook,
     /// The size of its camera's lens; `None` for a pinhole.
     pub aperture: Option<Aperture>,
+    /// The planes of its file that cut spheres.
+    pub cuts: Vec<CutPlane>,
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
     /// The columns of the particles that [`ParticleOptions::keep`](super::ParticleOptions::keep) keeps, in the order of the spheres.
@@ -146,6 +148,7 @@ impl SceneFrame {
             skipped: Skipped::default(),
             has_camera: false,
             aperture: None,
+            cuts: Vec::new(),
             look: FileLook::PARTICLES,
             legend: None,
             columns: Arc::default(),
@@ -248,10 +251,11 @@ impl Sequence {
             Ok(frames) => SequenceState::Many(frames),
             Err(source) => {
                 let warning = source.warning.clone();
-                let native::Read { mut scene, mut skipped, look, aperture, files: named } = match source.format.name() {
-                    "nff" => native::Read::of(nff::read(source.reader, path, options.particles.strict)?),
-                    _ => native::read(source.reader, path, &options.particles.watch)?,
-                };
+                let native::Read { mut scene, mut skipped, look, aperture, cuts, files: named } =
+                    match source.format.name() {
+                        "nff" => native::Read::of(nff::read(source.reader, path, options.particles.strict)?),
+                        _ => native::read(source.reader, path, &options.particles.watch)?,
+                    };
                 files.extend(named);
                 skipped.assumed.extend(warning);
                 if !(options.particles.select.is_empty() && options.particles.hide.is_empty()) {
@@ -263,7 +267,7 @@ impl Sequence {
                     Periodic::Unwrap => return Err(no_cell(UNWRAP)),
                 }
                 options.style.restyle(&mut scene.spheres)?;
-                let frame = SceneFrame { skipped, has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
+                let frame = SceneFrame { skipped, has_camera: true, look, aperture, cuts, ..SceneFrame::new(1, scene) };
                 SequenceState::One(Some(Box::new(frame)))
             }
         };

@@ -166,9 +166,9 @@ impl SphereBlocks {
             return Ok(None);
         }
         let (read, _) = native::without_files(source.reader, path, &options.particles.watch)?;
-        let native::Read { scene, skipped, look, aperture, files } = read;
+        let native::Read { scene, skipped, look, aperture, cuts, files } = read;
         let scene = Scene { spheres: Spheres::default(), ..scene };
-        let frame = SceneFrame { skipped, has_camera: true, look, aperture, ..SceneFrame::new(1, scene) };
+        let frame = SceneFrame { skipped, has_camera: true, look, aperture, cuts, ..SceneFrame::new(1, scene) };
         Ok(Some((frame, files)))
     }
 

@@ -19,7 +19,7 @@ const LENS: &str = "a lens with a size sees spheres that a stream has forgotten"
 pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>) -> Result<()> {
     let SceneArgs { camera, files, insets, image, .. } = args;
     let has_size = camera.lens.has_size() || taken.is_some_and(|record| record.lens_size().is_some());
-    let refusals: [Refusal; 11] = [
+    let refusals: [Refusal; 12] = [
         (
             args.is_many(),
             "a stream is one picture",
@@ -50,6 +50,7 @@ pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>)
             "spheres are enlarged for a picture with all in memory",
             "remove --least-size, or --stream",
         ),
+        (args.cut.is_given(), "planes cut spheres that are all in memory", "use --clip, or remove --stream"),
         (
             args.open_width().is_some(),
             "an open height is that of all spheres in memory",
@@ -84,6 +85,7 @@ pub(super) fn check_frame(frame: &SceneFrame, is_named: bool) -> Result<()> {
             "the rays of a curved lens need all spheres in memory",
             if is_named { "remove --lens, or --stream" } else { "use another camera, or remove --stream" },
         ),
+        (!frame.cuts.is_empty(), "planes cut spheres that are all in memory", "remove [[cut]], or --stream"),
         (shines, "lights that are spheres need all spheres in memory", "remove them, or --stream"),
     ])
 }

@@ -77,6 +77,8 @@ impl TomlName {
             (_, "select") => "select = \"chain A\"",
             (_, "background") => "background = [0.0, 0.0, 0.0]",
             (_, "light") => "[[light]] tables",
+            (_, "cut") => "[[cut]] tables",
+            (_, "normal") => "normal = [0.0, 0.0, 1.0]",
             (_, "occlusion") => "an [occlusion] table",
             (_, "sky") => "a [sky] table",
             (_, "zenith") => "zenith = [0.3, 0.5, 0.9]",

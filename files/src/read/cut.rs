@@ -1,0 +1,93 @@
+//! Planes that cut the spheres of a frame: given, or through what a selection selects.
+
+use super::sequence::SceneFrame;
+use halfline::error::{Error, Place, Result};
+use halfline::quote::setting::{CUT, CUT_AT, CUT_ONLY};
+use halfline::quote::{count, quote};
+use halfline::scene::CutPlane;
+use halfline_particles::Selection;
+
+/// The planes that cut spheres, and the spheres that they may cut.
+#[derive(Debug, Clone, Default)]
+pub struct CutRules {
+    /// Planes that are given.
+    pub planes: Vec<CutPlane>,
+    /// Planes through what is selected.
+    pub at: Vec<CutAt>,
+    /// The spheres that planes may cut; `None` for all.
+    pub only: Option<Selection>,
+}
+
+/// A plane through the mean of the centres of what is selected.
+#[derive(Debug, Clone)]
+pub struct CutAt {
+    /// The spheres.
+    pub selection: Selection,
+    /// Toward what is removed, of any length but zero; `None` for the way back along the view axis of the camera.
+    pub direction: Option<[f64; 3]>,
+}
+
+impl SceneFrame {
+    /// Cuts the spheres by planes, those of its file and these; the camera, the places and the radii are final. Beads of a cell stay whole.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for columns that the file does not have, and for spheres that may be cut without a plane; [`Error::Scene`] where
+    /// nothing is selected for a plane to go through.
+    pub fn cut(&mut self, rules: &CutRules) -> Result<()> {
+        let mut planes = self.cuts.clone();
+        planes.extend(&rules.planes);
+        for at in &rules.at {
+            planes.push(self.plane_at(at)?);
+        }
+        let Some(only) = &rules.only else {
+            if !planes.is_empty() {
+                let may = self.sphere_flags(vec![true; self.scene.spheres.len()]);
+                self.scene.spheres.cut(&planes, (self.beads > 0).then_some(&may[..]))?;
+            }
+            return Ok(());
+        };
+        if planes.is_empty() {
+            let problem = format!("{CUT_ONLY} is for planes, and none cuts the spheres");
+            return Err(Error::settings(problem, format!("give a plane by {CUT} or {CUT_AT}, or remove {CUT_ONLY}")));
+        }
+        let (may, notes) = self.selected(only)?;
+        self.skipped.assumed.extend(notes);
+        let may = self.sphere_flags(may);
+        self.scene.spheres.cut(&planes, Some(&may))
+    }
+
+    /// Flags of all spheres, unset for beads of a cell.
+    fn sphere_flags(&self, mut flags: Vec<bool>) -> Vec<bool> {
+        let count = self.scene.spheres.len();
+        flags.resize(count, false);
+        flags[count - self.beads.min(count)..].fill(false);
+        flags
+    }
+
+    fn plane_at(&mut self, CutAt { selection, direction }: &CutAt) -> Result<CutPlane> {
+        let (flags, notes) = self.selected(selection)?;
+        let flags = self.sphere_flags(flags);
+        let spheres = &self.scene.spheres;
+        let (mut sum, mut chosen) = ([0.0; 3], 0_u64);
+        for (center, _) in spheres.centers.iter().zip(&flags).filter(|(_, flag)| **flag) {
+            (0..3).for_each(|k| sum[k] += center[k]);
+            chosen += 1;
+        }
+        if chosen == 0 {
+            let all = count(spheres.len() as u64, "sphere");
+            let problem = format!("{CUT_AT} {}: the expression selects none of {all}", quote(&selection.to_string()));
+            let mend = match &notes[..] {
+                [] => "use another expression; halfline info lists the columns of the file".to_owned(),
+                notes => notes.join("; "),
+            };
+            return Err(Error::scene(Place::field(format!("frame {}", self.number)), problem, mend));
+        }
+        self.skipped.assumed.extend(notes);
+        let normal = match direction {
+            Some(direction) => *direction,
+            None => self.scene.camera.basis()?.w.to_array(),
+        };
+        let distance = (0..3).map(|k| normal[k] * (sum[k] / chosen as f64)).sum();
+        Ok(CutPlane { normal, distance })
+    }
+}
