@@ -174,6 +174,18 @@ class Options(TypedDict, total=False):
     """
     cell: bool | float
     """Draws the edges of the file's periodic cell with beads, of this radius if given."""
+    cut: ArrayLike
+    """Cuts spheres by a plane: what has X,Y,Z . p > D is removed, and spheres that the plane
+    passes through show their inside. May be repeated: what one plane removes is removed.
+    """
+    cut_slab: ArrayLike
+    """Keeps a slab, A <= X,Y,Z . p <= B, between two planes that cut spheres."""
+    cut_at: str | Iterable[str]
+    """Cuts spheres by the plane through the mean of the centres that EXPR selects. X,Y,Z points
+    to what is removed [default: back along the view, so that the camera looks at the cut].
+    """
+    cut_only: str | None
+    """Planes cut only the spheres that EXPR selects; the others stay whole."""
     size: tuple[int, int | None] | None
     """Columns and rows of the image [default: the scene file's, else (512, 512)]; (columns, None)
     takes the rows that the framed spheres fill. With a vfov the width of the view follows; a

@@ -1,5 +1,6 @@
 //! Layers of translucent spheres: of each viewing ray the hits after the first, in their exact order, and their colours.
 
+use super::settle::CutSettler;
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
@@ -97,11 +98,13 @@ impl Layers<'_> {
 
 /// The search for the hits behind the first of pixels that strips leave undecided.
 pub(crate) struct Peeling<'a> {
-    pub(crate) scene: &'a Scene,
-    pub(crate) view: &'a View,
+    scene: &'a Scene,
+    view: &'a View,
     /// The spheres in lists from which none that a ray may show is left out.
-    pub(crate) lists: &'a BinnedScene,
-    pub(crate) layers: Layers<'a>,
+    lists: &'a BinnedScene,
+    layers: Layers<'a>,
+    /// The decisions in f64, in a scene whose spheres planes cut.
+    cuts: Option<CutSettler<'a>>,
 }
 
 /// A sphere that a ray may hit.
@@ -113,7 +116,12 @@ struct Candidate {
     id: u32,
 }
 
-impl Peeling<'_> {
+impl<'a> Peeling<'a> {
+    pub(crate) fn new(scene: &'a Scene, view: &'a View, lists: &'a BinnedScene, layers: Layers<'a>) -> Self {
+        let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, cuts, 1.0));
+        Self { scene, view, lists, layers, cuts }
+    }
+
     /// The ids of the next layers of some pixels, pixel after pixel: the translucent hits behind the first, in order up to the opaque one;
     /// [`NONE`] where there is none.
     ///
@@ -215,8 +223,12 @@ impl Nearest<'_> {
         None
     }
 
-    /// The nearest hit of a ray among some spheres, in exact arithmetic.
+    /// The nearest hit of a ray among some spheres, in exact arithmetic; where planes cut spheres, by f64 where that decides it.
     fn judged(&self, [row, column]: [u32; 2], some: &[Candidate]) -> Option<u32> {
+        let of_cuts = |cuts: &CutSettler<'_>| cuts.first_id([row, column], some.iter().map(|one| one.id));
+        if let Some(known) = self.peeling.cuts.as_ref().and_then(of_cuts) {
+            return known;
+        }
         let Few { judge, ids } = self.few.get_or_init(|| self.few()).as_ref()?;
         let local = |one: &Candidate| ids.binary_search(&one.id).map_or(u32::MAX, |n| n as u32);
         let mut some: Vec<u32> = some.iter().map(local).collect();
@@ -234,6 +246,7 @@ impl Nearest<'_> {
         for id in &ids {
             spheres.push(scene.spheres.centers[*id as usize], scene.spheres.radii[*id as usize], None);
         }
+        spheres.cuts = scene.spheres.cuts.as_ref().map(|cuts| cuts.chosen(&ids));
         // The view has this camera, and the scene these spheres, so that both are valid.
         let judge = view.judge(&Scene { spheres, ..scene.bare() }).ok()?;
         Some(Few { judge, ids })

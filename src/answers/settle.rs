@@ -4,7 +4,7 @@
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
-use crate::certify::cut::CutRay;
+use crate::certify::cut::{CutHit, CutRay};
 use crate::exact::{Judge, Truth};
 use crate::number::vector::{LANES, vectorized};
 use crate::scene::{Cuts, NumberedBall, Scene, Spheres};
@@ -176,7 +176,7 @@ impl Settler<'_> {
 }
 
 /// Decides pixels in f64 where planes cut spheres.
-struct CutSettler<'a> {
+pub(super) struct CutSettler<'a> {
     scene: &'a Scene,
     view: &'a View,
     cuts: &'a Cuts,
@@ -187,7 +187,7 @@ struct CutSettler<'a> {
 }
 
 impl<'a> CutSettler<'a> {
-    fn new(scene: &'a Scene, view: &'a View, cuts: &'a Cuts, sharp: f64) -> Self {
+    pub(super) fn new(scene: &'a Scene, view: &'a View, cuts: &'a Cuts, sharp: f64) -> Self {
         let Spheres { centers, radii, .. } = &scene.spheres;
         let (planes, placement) = (EyePlanes::new(cuts, view.basis.e), Placement::new(centers, radii));
         Self { scene, view, cuts, planes, placement, sharp }
@@ -200,11 +200,20 @@ impl<'a> CutSettler<'a> {
     /// The first hit among some spheres; `None` where f64 does not decide it, or not sharply enough.
     fn first(&self, at: [u32; 2], ids: &[u32]) -> Option<Option<Truth>> {
         let ray = CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?;
-        let balls = ids.iter().map(|id| (self.ball(*id), self.cuts.is_cut(*id)));
-        match ray.first(balls)? {
+        match self.first_of(&ray, ids.iter().copied())? {
             None => Some(None),
             Some(hit) => ray.truth((&self.planes, self.sharp), self.view, at, hit).map(Some),
         }
+    }
+
+    /// The sphere that is hit first among some; `None` where f64 does not decide it.
+    pub(super) fn first_id(&self, at: [u32; 2], ids: impl Iterator<Item = u32>) -> Option<Option<u32>> {
+        let ray = CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?;
+        self.first_of(&ray, ids).map(|hit| hit.map(|(ball, _)| ball.id))
+    }
+
+    fn first_of(&self, ray: &CutRay, ids: impl Iterator<Item = u32>) -> Option<Option<(NumberedBall, CutHit)>> {
+        ray.first(ids.map(|id| (self.ball(id), self.cuts.is_cut(id))))
     }
 
     /// The numbers of f64 in place of those of the judge, where they are sharp enough: so they do not depend on the spheres that a pixel

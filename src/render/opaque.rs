@@ -3,7 +3,7 @@
 use super::order::LastOrder;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
-use crate::scene::{Lighting, Scene, Spheres};
+use crate::scene::{Cuts, Lighting, Scene, Spheres};
 use crate::search::tree::Tree;
 use crate::view::ray::NONE;
 use halfline_ground::error::Result;
@@ -48,6 +48,11 @@ impl Opaque {
         parallel::each(ids, |_, id| *id = if *id == NONE { NONE } else { self.ids[*id as usize] });
     }
 
+    /// Their ids in the whole scene.
+    pub(super) fn ids(&self) -> &[u32] {
+        &self.ids
+    }
+
     /// The tree over them, for rays that only opaque spheres block; `None` where the scene has no spheres.
     pub(super) fn tree(&self, scene: &Scene) -> Option<Arc<Tree>> {
         let build = || Tree::of_some(&scene.spheres.centers, &scene.spheres.radii, &self.ids).map(Arc::new);
@@ -67,6 +72,7 @@ struct Known {
     /// The opacities and the colours where no one can change them; otherwise they are those of one frame.
     opacities: Option<List<f32>>,
     colors: Option<List<[f32; 3]>>,
+    cuts: Option<Cuts>,
     frame: u64,
     opaque: Arc<Opaque>,
 }
@@ -77,6 +83,7 @@ impl Known {
             same: SameSpheres::of(spheres, frame),
             opacities: spheres.opacities.as_ref().and_then(List::kept),
             colors: spheres.colors.as_ref().and_then(List::kept),
+            cuts: spheres.cuts.clone(),
             frame,
             opaque: Arc::new(Opaque::of(spheres)?),
         })
@@ -94,6 +101,7 @@ impl Known {
         let is_same_frame = self.frame == frame;
         same(self.opacities.as_ref(), spheres.opacities.as_ref(), is_same_frame)
             && same(self.colors.as_ref(), spheres.colors.as_ref(), is_same_frame)
+            && self.cuts == spheres.cuts
             && self.same.is_of(spheres, frame)
     }
 }

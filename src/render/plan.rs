@@ -17,7 +17,7 @@ use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use choose::Choice;
 use halfline_ground::error::{Error, Result};
-use halfline_ground::quote::setting::{ACCURACY, APERTURE, METHOD, OPACITY};
+use halfline_ground::quote::setting::{ACCURACY, APERTURE, BOUNCES, CUT, METHOD};
 use kind::EngineKind;
 
 /// The decisions for one scene and its settings, with their reasons.
@@ -93,14 +93,14 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Refuses what planes that cut spheres do not reach yet: given rays, layers, and rays from mirrors and through glass.
+    /// Refuses what planes that cut spheres do not reach yet: the rays of curved lenses, and those from mirrors and through glass.
     fn check_cuts(&self, scene: &Scene) -> Result<()> {
         let bounces = self.light_outputs.color && lights::bounces(scene) > 0;
-        if scene.spheres.cuts.is_none() || self.given.is_none() && !self.see_through && !bounces {
+        if scene.spheres.cuts.is_none() || self.given.is_none() && !bounces {
             return Ok(());
         }
-        let problem = "planes cut some spheres, which no mirror, no layer and no curved lens takes for cut yet";
-        Err(Error::settings(problem, format!("render without {OPACITY}, mirrors, glass and a curved lens")))
+        let problem = "planes cut some spheres, which no mirror and no curved lens takes for cut yet";
+        Err(Error::settings(problem, format!("use {BOUNCES} 0, or no {CUT}, with mirrors and glass, and another lens")))
     }
 
     /// The plan for viewing rays through a plane, as far as hits go.

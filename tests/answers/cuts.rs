@@ -13,7 +13,7 @@ use glam::DVec3;
 use halfline::camera::{Camera, Lens};
 use halfline::exact::{Judge, Root, Toward};
 use halfline::frame::{Aov, Frame};
-use halfline::scene::{CutPlane, ImagePlane, Light, LightSource, Lighting, Scene, Sky, Spheres};
+use halfline::scene::{CutPlane, ImagePlane, Light, LightSource, Lighting, Material, Scene, Sky, Spheres};
 use halfline::settings::{Accuracy, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
@@ -337,6 +337,57 @@ fn light_at_cut_spheres_is_exact() {
     assert!(hidden > rays / 10 && hidden < rays / 10 * 9, "{hidden} of {rays}");
 }
 
+/// Translucent spheres count once for a ray, at their surface or at their face, in the order of the judge.
+#[test]
+fn layers_of_cut_spheres_are_in_order() {
+    let (mut rng, mut faces) = (Rng::new(0xc37), 0);
+    for (lens, eye, at) in [
+        (vfov(45.0), [1.0, 2.0, 9.0], [0.0; 3]),
+        (Lens::Orthographic { height: 5.0 }, [2.0, -1.0, 9.0], [0.0; 3]),
+        (vfov(80.0), [1e8 + 0.2, 0.1, 0.3], [1e8, 0.0, 0.0]),
+    ] {
+        let whole = spheres(5, at);
+        for (name, planes) in planes(&whole, eye, &mut rng) {
+            let mut cut = whole.clone();
+            let opacities = (0..cut.len()).map(|n| if n % 3 > 0 { 0.2 + 0.1 * (n % 6) as f32 } else { 1.0 });
+            cut.opacities = Some(opacities.collect::<Vec<f32>>().into());
+            let may: Vec<bool> = (0..cut.len()).map(|n| n % 11 > 0).collect();
+            cut.cut(&planes, Some(&may)).expect("planes");
+            let scene = oblique::scene(SIZE, eye, at, lens, cut);
+            let judge = Judge::new(&scene).expect("a scene");
+            let settings = Settings { aovs: vec![Aov::Color], shade: Shade::Flat, layers: 4, ..Settings::default() };
+            let frame = cpu().render(&scene, &settings).expect("a picture");
+            let color = frame.f32(Aov::Color).expect("colours");
+            let own = scene.spheres.colors.as_ref().expect("colours");
+            for pixel in (0..frame.ids().len()).step_by(7) {
+                let (i, j) = (pixel as u32 / SIZE[0], pixel as u32 % SIZE[0]);
+                let (mut open, mut hits): (Vec<u32>, Vec<u32>) = ((0..whole.len() as u32).collect(), Vec::new());
+                while let Some(truth) = judge.among(i, j, &open) {
+                    faces += u32::from(truth.root == Root::Face && !hits.is_empty());
+                    hits.push(truth.id);
+                    if scene.spheres.opacity(truth.id) == 1.0 {
+                        break;
+                    }
+                    open.retain(|id| *id != truth.id);
+                }
+                let back = hits.last().filter(|id| scene.spheres.opacity(**id) == 1.0);
+                let mut expected = back.map_or(scene.image.background, |id| own[*id as usize]);
+                let through = hits.iter().filter(|id| scene.spheres.opacity(**id) < 1.0).take(4).collect::<Vec<_>>();
+                for id in through.into_iter().rev() {
+                    let opacity = scene.spheres.opacity(*id);
+                    expected.iter_mut().zip(own[*id as usize]).for_each(|(c, over)| *c += opacity * (over - *c));
+                }
+                let found = &color[3 * pixel..][..3];
+                assert!(
+                    found.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-5),
+                    "{name} {lens:?} {i}, {j}: {found:?} is not {expected:?} of {hits:?}"
+                );
+            }
+        }
+    }
+    assert!(faces > 500, "{faces}");
+}
+
 /// A picture that would take a cut sphere for a whole one is refused.
 #[test]
 fn what_takes_spheres_for_whole_is_refused() {
@@ -346,8 +397,11 @@ fn what_takes_spheres_for_whole_is_refused() {
     let plain = Settings { aovs: vec![Aov::Color], ..Settings::default() };
     for (backend, mut renderer) in renderers() {
         renderer.render(&scene, &plain).expect("a picture");
-        for (what, settings) in [("fast", Settings { accuracy: Accuracy::Fast, ..plain.clone() })] {
-            let error = renderer.render(&scene, &settings).map(drop).expect_err(what).to_string();
+        let fast = Settings { accuracy: Accuracy::Fast, ..plain.clone() };
+        let mut mirror = scene.clone();
+        mirror.spheres.set_last_material(Material::Metal { fuzz: 0.0 });
+        for (what, scene, settings) in [("fast", &scene, &fast), ("a mirror", &mirror, &plain)] {
+            let error = renderer.render(scene, settings).map(drop).expect_err(what).to_string();
             assert!(error.contains("planes cut some spheres"), "{what}, {backend:?}: {error}");
         }
     }

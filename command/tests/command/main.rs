@@ -26,6 +26,7 @@ mod clouds;
 mod compare;
 mod controls;
 mod curved;
+mod cuts;
 mod echoes;
 mod exit_codes;
 #[cfg(unix)]

@@ -53,7 +53,7 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),
 ];
-const OF_PARTICLES: [(&str, &[&str]); 27] = [
+const OF_PARTICLES: [(&str, &[&str]); 31] = [
     ("--select", &["x > 0", "element O"]),
     ("--hide", &["element H"]),
     ("--radii", &["vdw", "covalent"]),
@@ -64,6 +64,10 @@ const OF_PARTICLES: [(&str, &[&str]); 27] = [
     ("--copies", &["2,1,1"]),
     ("--clip", &["1,0,0,0.5"]),
     ("--cell", &["", "=0.05"]),
+    ("--cut", &["1,0,0,0.1", "0,1,1,0.3"]),
+    ("--cut-slab", &["1,0,0,-0.3,0.4"]),
+    ("--cut-at", &["element O", "all:0,1,0"]),
+    ("--cut-only", &["element O"]),
     ("--color", &["red", "element O=blue"]),
     ("--color-by", &["vx", "element", "x"]),
     ("--opacity", &["0.4", "element O=0.5"]),

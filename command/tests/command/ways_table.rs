@@ -95,6 +95,8 @@ impl Row {
 pub(crate) fn rows() -> Vec<Row> {
     use Effect::{Allows, Bytes, Fails, Nothing};
     const LIGHT: &[&str] = &["lights and a sky need all spheres in memory"];
+    const CUT: &[&str] =
+        &["planes cut spheres that are all in memory", "planes cut some spheres", "belongs to the parts"];
     const FORMAT: &[&str] = &["files are not read as a stream"];
     const PIXELS: &str = "--eye 9,7,12 --at 2,2,2 --lens opencv --intrinsics";
     vec![
@@ -126,6 +128,11 @@ pub(crate) fn rows() -> Vec<Row> {
         at("copies", "--copies 2,1,1"),
         at("clip", "--clip 0,0,1,2"),
         at("cell", "--cell=0.3"),
+        at("cut", "--cut 1,1,1,6").or(CUT),
+        at("cut-slab", "--cut-slab 0,0,1,1.5,2.5").or(CUT),
+        at("cut-at", "--cut-at kind~a").or(CUT),
+        at("cut-at", "--cut-at all:1,0,1").or(CUT),
+        row("cut-only", &format!("{CAMERA} --cut 1,1,1,6"), "--cut-only kind~a").or(CUT),
         at("color", "--color teal"),
         at("material", "--material metal"),
         row("shine", &format!("{CAMERA} --sun 1,1,1 --material plastic"), "--shine 3")

@@ -1,7 +1,7 @@
 //! Pictures that show something through translucent spheres: the picture of the opaque spheres alone, and over it the
 //! translucent hits before them, layer by layer.
 
-use super::light::{LightSetup, all_spheres};
+use super::light::{LightSetup, all_spheres, of_cuts};
 use super::sampling::Sampling;
 use crate::answers::hits::FirstHits;
 use crate::answers::layers::Layers;
@@ -115,20 +115,19 @@ pub(super) fn light_through(at: &mut Rendering<'_>, plan: &Plan, opaque: &Opaque
     // Rays leave from the hits of the opaque spheres alone, and from those of each layer, where a device has those of one frame.
     let by_host =
         Some(if blockers.is_some() { "not all spheres block them" } else { "they leave from several layers" });
-    match blockers {
-        // Rays that go on from mirrors meet all spheres.
-        Some(blockers) if bounces(scene) > 0 => LightSetup { blockers, by_host, ..all_spheres(at, plan) },
-        Some(blockers) => LightSetup {
-            tree: blockers.clone(),
-            blockers,
-            spared: None,
-            accuracy: plan.accuracy,
-            from_first: true,
-            by_host,
-        },
+    let Some(tree) = blockers else {
         // Opaque spheres, and translucent ones behind the first, may lie inside of translucent ones.
-        None => LightSetup { from_first: false, by_host, ..all_spheres(at, plan) },
+        return LightSetup { from_first: false, by_host, ..all_spheres(at, plan) };
+    };
+    let (blockers, spared) = match at.time("tree", |_| of_cuts(&scene.spheres, opaque.ids())) {
+        Some((others, spared)) => (Some(others), Some(spared)),
+        None => (tree.clone(), None),
+    };
+    // Rays that go on from mirrors meet all spheres.
+    if bounces(scene) > 0 {
+        return LightSetup { blockers, spared, by_host, ..all_spheres(at, plan) };
     }
+    LightSetup { tree, blockers, spared, accuracy: plan.accuracy, from_first: true, by_host }
 }
 
 /// The translucent spheres that the rays of a view hit before the opaque ones, which are given: of each pixel the nearest

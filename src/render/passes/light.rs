@@ -210,14 +210,16 @@ pub(super) fn all_spheres(at: &mut Rendering<'_>, plan: &Plan) -> LightSetup {
     let tree = log.time("tree", || renderer.order.tree(&scene.spheres, renderer.frames));
     // A device holds the hits of the viewing rays of a plane.
     let by_host = plan.given.as_ref().map(|_| "its viewing rays are those of a curved lens");
-    let (blockers, spared) = log.time("tree", || of_cuts(&scene.spheres)).unzip();
+    let all: Vec<u32> =
+        if scene.spheres.cuts.is_some() { (0..scene.spheres.len() as u32).collect() } else { Vec::new() };
+    let (blockers, spared) = log.time("tree", || of_cuts(&scene.spheres, &all)).unzip();
     LightSetup { tree, blockers, spared, accuracy: plan.accuracy, from_first: true, by_host }
 }
 
-/// Where planes cut some spheres and spare others, the tree over the ones that they do not spare, and that over the others.
-fn of_cuts(spheres: &Spheres) -> Option<(Arc<Tree>, Arc<Tree>)> {
+/// Where planes spare some of these spheres, the tree over the ones that they do not spare, and that over the others.
+pub(super) fn of_cuts(spheres: &Spheres, ids: &[u32]) -> Option<(Arc<Tree>, Arc<Tree>)> {
     let cuts = spheres.cuts.as_ref()?;
-    let (spared, others): (Vec<u32>, Vec<u32>) = (0..spheres.len() as u32).partition(|id| cuts.is_spared(*id));
+    let (spared, others): (Vec<u32>, Vec<u32>) = ids.iter().partition(|id| cuts.is_spared(**id));
     let tree = |ids: &[u32]| Tree::of_some(&spheres.centers, &spheres.radii, ids).map(Arc::new);
     if spared.is_empty() { None } else { tree(&others).zip(tree(&spared)) }
 }

@@ -1,0 +1,90 @@
+//! The promises of planes that cut spheres, as options and in scene files: what is removed, cut and kept whole, ids that stay, and words for
+//! what cannot be.
+
+use crate::test_dir::TestDir;
+
+/// A big sphere, a small one inside of it, one beyond, one before.
+const NESTED: &str = "x,y,z,radius,kind\n0,0,0,4,shell\n0,0,0,2,core\n0,0,9,1,far\n7,0,-3,1,near\n";
+const CAMERA: &str = "--eye 0,0,40 --at 0,0,0 --ortho 20 --size 100x100 --look plain --aov id=i.npy,depth=d.npy";
+
+fn with(text: &str) -> TestDir {
+    TestDir::new(&[("n.csv", text)])
+}
+
+#[test]
+fn a_cut_shows_the_inside_and_ids_stay() {
+    let dir = with(NESTED);
+    let ran = dir.render(&format!("n.csv {CAMERA} --cut 0,0,2,2 --json"));
+    let report: serde_json::Value = serde_json::from_str(&ran.out).expect("a report");
+    assert_eq!(
+        report["cuts"][0]["normal"].to_string() + &report["cuts"][0]["distance"].to_string(),
+        "[0.0,0.0,2.0]2.0"
+    );
+    assert_eq!(
+        [&report["spheres"], &report["spheres_cut"], &report["spheres_removed"]].map(|n| n.as_u64()),
+        [4, 2, 1].map(Some)
+    );
+    let [ids, depths] = ["i.npy", "d.npy"].map(|file| dir.array(file).0);
+    let at = |x: usize, y: usize| (ids[100 * y + x], depths[100 * y + x]);
+    // Five pixels for 1; the plane is at z = 1, so the eye is 39 away. The smaller sphere shows its face, in the larger one.
+    assert_eq!([at(50, 50), at(64, 50), at(85, 50)].map(|(id, _)| id), [1.0, 0.0, 3.0]);
+    assert!([at(50, 50).1, at(64, 50).1].iter().all(|depth| (depth - 39.0).abs() < 1e-4));
+    // sqrt(4 - 1) of the core, sqrt(16 - 1) of the shell.
+    let area = |id: f64| ids.iter().filter(|found| **found == id).count() as f64 / 25.0;
+    let discs = [std::f64::consts::PI * 3.0, std::f64::consts::PI * (16.0 - 3.0)];
+    assert!([1.0, 0.0].into_iter().zip(discs).all(|(id, disc)| (area(id) / disc - 1.0).abs() < 0.03));
+    assert!(!ids.contains(&2.0), "the one beyond is removed");
+}
+
+#[test]
+fn slabs_selections_and_scene_files_say_the_same() {
+    let toml = "[camera]\neye = [0, 0, 40]\nview = [0, 0, -1]\nup = [0, 1, 0]\nheight = 20\n[image]\nsize = [100, 100]\n
+[[spheres]]\nfile = 'n.csv'\n[[cut]]\nnormal = [0, 0, 1]\ndistance = 1\n[[cut]]\nnormal = [0.0, 0.0, -1.0]\ndistance = 2\n";
+    let dir = TestDir::new(&[("n.csv", NESTED), ("s.toml", toml)]);
+    let picture = |words: &str| {
+        dir.render(words);
+        (dir.array("i.npy").0, dir.array("d.npy").0)
+    };
+    let two = picture(&format!("n.csv {CAMERA} --cut 0,0,1,1 --cut 0,0,-1,2"));
+    assert_eq!(two, picture(&format!("n.csv {CAMERA} --cut-slab 0,0,1,-2,1")));
+    assert_eq!(two, picture("s.toml --look plain --aov id=i.npy,depth=d.npy"));
+    // The plane through the core's centre, toward the eye.
+    let through = picture(&format!("n.csv {CAMERA} --cut 0,0,1,0"));
+    assert_eq!(through, picture(&format!("n.csv {CAMERA} --cut-at kind~core")));
+    assert_eq!(through, picture(&format!("n.csv {CAMERA} --cut-at kind~core:0,0,3")));
+    // The core stays whole.
+    let spared = picture(&format!("n.csv {CAMERA} --cut-at kind~core --cut-only 'kind!=core'").replace('\'', ""));
+    let at = |(ids, depths): &(Vec<f64>, Vec<f64>), n: usize| (ids[n], depths[n].round());
+    assert_eq!((at(&spared, 5050), at(&spared, 5065)), ((1.0, 38.0), (0.0, 40.0)));
+}
+
+#[test]
+fn what_cannot_be_cut_has_words() {
+    let bad = "[camera]\neye = [0, 0, 40]\nview = [0, 0, -1]\nup = [0, 1, 0]\nheight = 20\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n
+[[cut]]\nnormal = [0, 0, 0]\ndistance = 1\n";
+    let dir = TestDir::new(&[("n.csv", NESTED), ("bad.toml", bad)]);
+    let refused = |code: i32, words: &str, parts: &[&str]| {
+        dir.refused_render(code, &format!("{words} -o a.png"), parts);
+    };
+    refused(2, "n.csv --cut 0,0,0,1", &["--cut", "expected a direction"]);
+    refused(2, "n.csv --cut 0,0,1", &["--cut"]);
+    refused(2, "n.csv --cut-slab 0,0,1,2,2", &["--cut-slab", "nothing lies from 2 to 2"]);
+    refused(2, "n.csv --cut-at kind~core:0,0,0", &["--cut-at", "direction behind the colon"]);
+    refused(2, "n.csv --cut-only kind~core", &["--cut-only", "none cuts", "--cut-at"]);
+    refused(3, "n.csv --cut-at kind~nothing", &["--cut-at", "kind~nothing", "none of 4 spheres"]);
+    refused(2, "n.csv --cut 0,0,1,1 --stream", &["--stream", "--clip"]);
+    refused(2, "n.csv --cut 0,0,1,1 --method stable", &["planes cut some spheres", "--method"]);
+    refused(3, "bad.toml", &["bad.toml", "line 11", "any length but zero"]);
+    let ran = dir.render(&format!("n.csv {CAMERA} --cut 0,0,1,-50"));
+    assert!(ran.err.contains("--cut removes all 4 spheres"), "{}", ran.err);
+    // The beads of a cell are not cut.
+    let cell = "3\nLattice=\"6 0 0 0 6 0 0 0 6\" Properties=species:S:1:pos:R:3\nC 1 1 1\nC 3 3 3\nC 5 5 5\n";
+    let dir = TestDir::new(&[("n.xyz", cell)]);
+    let count = |words: &str| {
+        dir.render(&format!(
+            "n.xyz --eye 3,3,30 --at 3,3,3 --size 60x60 --look plain --cell=0.2 {words} --aov id=i.npy"
+        ));
+        dir.array("i.npy").0.iter().filter(|id| **id >= 3.0).count()
+    };
+    assert!(count("--cut 0,0,1,0.5") >= count(""), "nothing hides beads that was not there before");
+}
