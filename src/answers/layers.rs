@@ -118,7 +118,7 @@ struct Candidate {
 
 impl<'a> Peeling<'a> {
     pub(crate) fn new(scene: &'a Scene, view: &'a View, lists: &'a BinnedScene, layers: Layers<'a>) -> Self {
-        let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, cuts, 1.0));
+        let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, lists, cuts, 1.0));
         Self { scene, view, lists, layers, cuts }
     }
 
@@ -225,7 +225,7 @@ impl Nearest<'_> {
 
     /// The nearest hit of a ray among some spheres, in exact arithmetic; where planes cut spheres, by f64 where that decides it.
     fn judged(&self, [row, column]: [u32; 2], some: &[Candidate]) -> Option<u32> {
-        let of_cuts = |cuts: &CutSettler<'_>| cuts.first_id([row, column], some.iter().map(|one| one.id));
+        let of_cuts = |cuts: &CutSettler<'_>| cuts.first_id([row, column], some.iter().map(|one| (one.low, one.id)));
         if let Some(known) = self.peeling.cuts.as_ref().and_then(of_cuts) {
             return known;
         }

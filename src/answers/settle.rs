@@ -4,7 +4,8 @@
 use crate::certify::Certify;
 use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
-use crate::certify::cut::{CutHit, CutRay};
+use crate::certify::cut::{CutHit, CutRay, SHARP};
+use crate::double_double as dd;
 use crate::exact::{Judge, Truth};
 use crate::number::vector::{LANES, vectorized};
 use crate::scene::{Cuts, NumberedBall, Scene, Spheres};
@@ -57,7 +58,7 @@ pub(crate) fn settle(
     (unsure, sharp): (&[u32], f64),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Settled>> {
-    let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, cuts, sharp));
+    let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, binned, cuts, sharp));
     let settler = Settler { scene, view, twin: Certify::new(&view.record, binned), cuts, go_on };
     let mut settled = Vec::with_capacity(unsure.len());
     let most: Vec<usize> = parallel::map(unsure, |pixel| settler.most(*pixel));
@@ -121,13 +122,18 @@ impl Settler<'_> {
     fn decide(&self, pixels: &[u32]) -> Result<Vec<Settled>> {
         let Some(cuts) = &self.cuts else { return self.judged(pixels) };
         let place = |pixel: u32| self.twin.view.position(pixel);
+        let twin = &self.twin;
         let found: Vec<Option<Settled>> = parallel::collect(pixels.len(), PIXELS_PER_JOB, &|range, out| {
-            let (pixels, lists) = (&pixels[range.clone()], self.candidates(&pixels[range]));
-            let first = |(n, pixel): (usize, &u32)| {
-                let truth = cuts.first(place(*pixel), lists.of(n))?;
-                Some(Settled { pixel: *pixel, truth })
-            };
-            out.extend(pixels.iter().enumerate().map(first));
+            let mut some = Vec::new();
+            out.extend(pixels[range].iter().map(|&pixel| {
+                let at = place(pixel);
+                some.clear();
+                if (self.go_on)() {
+                    some.extend(twin.candidates(&twin.slopes(at[0], at[1])).map(|(low, slot)| (low, twin.id(slot))));
+                }
+                some.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+                cuts.first(at, &some).map(|truth| Settled { pixel, truth })
+            }));
         });
         let left: Vec<u32> = pixels.iter().zip(&found).filter(|(_, found)| found.is_none()).map(|(n, _)| *n).collect();
         let mut judged = self.judged(&left)?.into_iter().map(|settled| Settled {
@@ -184,13 +190,15 @@ pub(super) struct CutSettler<'a> {
     placement: Placement,
     /// The largest relative error of a t that f64 answers with.
     sharp: f64,
+    /// The depth from which lower bounds of depths count, in the frame's unit.
+    reference: f64,
 }
 
 impl<'a> CutSettler<'a> {
-    pub(super) fn new(scene: &'a Scene, view: &'a View, cuts: &'a Cuts, sharp: f64) -> Self {
+    pub(super) fn new(scene: &'a Scene, view: &'a View, binned: &BinnedScene, cuts: &'a Cuts, sharp: f64) -> Self {
         let Spheres { centers, radii, .. } = &scene.spheres;
         let (planes, placement) = (EyePlanes::new(cuts, view.basis.e), Placement::new(centers, radii));
-        Self { scene, view, cuts, planes, placement, sharp }
+        Self { scene, view, cuts, planes, placement, sharp, reference: binned.projection.depth.into() }
     }
 
     fn ball(&self, id: u32) -> NumberedBall {
@@ -198,22 +206,31 @@ impl<'a> CutSettler<'a> {
     }
 
     /// The first hit among some spheres; `None` where f64 does not decide it, or not sharply enough.
-    fn first(&self, at: [u32; 2], ids: &[u32]) -> Option<Option<Truth>> {
+    fn first(&self, at: [u32; 2], some: &[(f32, u32)]) -> Option<Option<Truth>> {
         let ray = CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?;
-        match self.first_of(&ray, ids.iter().copied())? {
+        match self.first_of(&ray, at, some.iter().copied())? {
             None => Some(None),
             Some(hit) => ray.truth((&self.planes, self.sharp), self.view, at, hit).map(Some),
         }
     }
 
     /// The sphere that is hit first among some; `None` where f64 does not decide it.
-    pub(super) fn first_id(&self, at: [u32; 2], ids: impl Iterator<Item = u32>) -> Option<Option<u32>> {
+    pub(super) fn first_id(&self, at: [u32; 2], some: impl Iterator<Item = (f32, u32)>) -> Option<Option<u32>> {
         let ray = CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?;
-        self.first_of(&ray, ids).map(|hit| hit.map(|(ball, _)| ball.id))
+        self.first_of(&ray, at, some).map(|hit| hit.map(|(ball, _)| ball.id))
     }
 
-    fn first_of(&self, ray: &CutRay, ids: impl Iterator<Item = u32>) -> Option<Option<(NumberedBall, CutHit)>> {
-        ray.first(ids.map(|id| (self.ball(id), self.cuts.is_cut(id))))
+    /// The first hit among some spheres, by lower bounds of their depths in f32.
+    fn first_of(
+        &self,
+        ray: &CutRay,
+        at: [u32; 2],
+        some: impl Iterator<Item = (f32, u32)>,
+    ) -> Option<Option<(NumberedBall, CutHit)>> {
+        // The few roundings of a product are far below the last factor.
+        let factor = dd::ldexp(ray.of_depth(self.view, at), self.view.unit) * (1.0 - SHARP);
+        let least_t = |low: f32| ((self.reference + f64::from(low)) * factor).max(0.0);
+        ray.first(some.map(|(low, id)| (least_t(low), self.ball(id), self.cuts.is_cut(id))))
     }
 
     /// The numbers of f64 in place of those of the judge, where they are sharp enough: so they do not depend on the spheres that a pixel

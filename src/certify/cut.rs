@@ -182,15 +182,19 @@ impl CutRay {
         (distance.is_finite() && (distance - r).abs() > error).then_some(distance < r)
     }
 
-    /// The first hit among some spheres: `None` where f64 does not decide, `Some(None)` for a certain miss.
+    /// The first hit among some spheres, each with a lower bound of its t: `None` where f64 does not decide, `Some(None)` for a certain miss.
+    /// The sooner the nearest comes, the fewer are tested.
     pub(crate) fn first(
         &self,
-        balls: impl Iterator<Item = (NumberedBall, bool)>,
+        balls: impl Iterator<Item = (f64, NumberedBall, bool)>,
     ) -> Option<Option<(NumberedBall, CutHit)>> {
         let (mut best, mut least): (Option<(NumberedBall, CutHit)>, f64) = (None, f64::INFINITY);
         // The next t that is not that of the best, or its lower bound.
         let mut second = f64::INFINITY;
-        for (ball, is_cut) in balls {
+        for (least_t, ball, is_cut) in balls {
+            if best.is_some_and(|(_, hit)| least_t > hit.t.0[1]) {
+                continue;
+            }
             let hit = match self.hit_of(ball.ball, is_cut) {
                 Answer::Miss => continue,
                 Answer::Unsure(low) => {
@@ -219,6 +223,12 @@ impl CutRay {
             None => (second == f64::INFINITY).then_some(None),
             Some((_, hit)) => (hit.t.0[1] < second).then_some(best),
         }
+    }
+
+    /// The factor from depths along the view axis to t of this ray, for a view of a plane.
+    pub(crate) fn of_depth(&self, view: &View, at: [u32; 2]) -> f64 {
+        let [_, _, z] = view.direction(at[0], at[1]);
+        dd::ldexp(-1.0 / z, -self.ray.shift)
     }
 
     /// The answer for a hit whose t is known to `sharp` of itself, and its normal; else `None`.

@@ -316,6 +316,17 @@ fn light_at_cut_spheres_is_exact() {
                 for aov in [Aov::Id, Aov::Shadow, Aov::Occlusion] {
                     assert_eq!(found.cut(window).bits(aov), exact.bits(aov), "{what}: {aov:?}");
                 }
+                // Suns alone go down the tree together, without f64 for each ray.
+                let mut suns = scene.clone();
+                suns.lighting.lights.remove(1);
+                let alone = Settings { aovs: vec![Aov::Id, Aov::Shadow], ..settings.clone() };
+                let streamed = renderer.render(&suns, &alone).expect("a frame");
+                let streamed = streamed.f32(Aov::Shadow).expect("shadows").chunks_exact(2);
+                let one_by_one =
+                    found.f32(Aov::Shadow).expect("shadows").chunks_exact(3).map(|three| [three[0], three[2]]);
+                for (pixel, (two, expected)) in streamed.zip(one_by_one).enumerate() {
+                    assert_eq!(two, expected, "{what}: suns at pixel {pixel}");
+                }
                 let toward = sources.map(|source| match source {
                     LightSource::Point(place) => Toward::Point(place.to_array()),
                     LightSource::Direction(direction) => Toward::Direction(direction.to_array()),
@@ -335,6 +346,31 @@ fn light_at_cut_spheres_is_exact() {
     }
     println!("{rays} rays, {hidden} of them hidden");
     assert!(hidden > rays / 10 && hidden < rays / 10 * 9, "{hidden} of {rays}");
+}
+
+/// The light of a picture of more pixels, whose rays toward the sky go down the tree together, has the bits of one whose rays the judge
+/// decides.
+#[test]
+fn pictures_of_cut_spheres_have_the_light_of_the_judge() {
+    let (window, mut rng) = (Window { x0: 140, y0: 90, x1: 150, y1: 96 }, Rng::new(0xc47));
+    for (n, (lens, eye)) in
+        [(vfov(45.0), [1.0, 2.0, 9.0]), (Lens::Orthographic { height: 5.0 }, [2.0, -1.0, 9.0])].into_iter().enumerate()
+    {
+        let whole = spheres(6, [0.0; 3]);
+        for (name, planes) in planes(&whole, eye, &mut rng).into_iter().filter(|(name, _)| *name != "nearly parallel") {
+            let mut cut = whole.clone();
+            let may: Option<Vec<bool>> = (n > 0).then(|| (0..cut.len()).map(|n| n % 7 != 0).collect());
+            cut.cut(&planes, may.as_deref()).expect("planes");
+            let mut scene = oblique::scene([300, 200], eye, [0.0; 3], lens, cut);
+            let lights = vec![Light::white(LightSource::Direction(DVec3::new(0.3, 0.5, 1.0)))];
+            scene.lighting = Lighting { lights, shadows: true, sky: Some(Sky::AT_CENTERS), ..Lighting::default() };
+            let settings = Settings { aovs: vec![Aov::Color], accuracy: Accuracy::Certified, ..Settings::default() };
+            let found = cpu().render(&scene, &settings).expect("a picture").cut(window);
+            let exact = Settings { accuracy: Accuracy::Exact, window: Some(window), ..settings };
+            let exact = cpu().render(&scene, &exact).expect("a picture");
+            assert_eq!(found.bits(Aov::Color), exact.bits(Aov::Color), "{name} {lens:?}");
+        }
+    }
 }
 
 /// Translucent spheres count once for a ray, at their surface or at their face, in the order of the judge.
