@@ -201,6 +201,7 @@ impl Spheres {
         }
         if let Some(cuts) = &mut self.cuts {
             cuts.of.to_mut().push(0);
+            cuts.colors.iter_mut().for_each(|colors| colors.to_mut().push(color.unwrap_or(DEFAULT_COLOR)));
         }
         self.centers.to_mut().push(center);
         self.radii.to_mut().push(radius);
@@ -261,7 +262,9 @@ impl Scene {
                 material.check(|field| Place::field(format!("material {index} {field}")))?;
             }
         }
-        if s.cuts.as_ref().is_some_and(|cuts| cuts.of.len() != s.radii.len()) {
+        if s.cuts.as_ref().is_some_and(|cuts| {
+            cuts.of.len() != s.radii.len() || cuts.colors.as_ref().is_some_and(|colors| colors.len() != s.radii.len())
+        }) {
             return Err(Error::scene("spheres", "some spheres have no flag of cuts", "cut them again"));
         }
         self.image.check()?;
@@ -309,6 +312,7 @@ impl Scene {
         if let Some(cuts) = &self.spheres.cuts {
             hash.update(format!("cuts {:?}", cuts.planes).as_bytes());
             hash.update(cuts.of.digest().as_bytes());
+            cuts.colors.iter().for_each(|colors| _ = hash.update(colors.digest().as_bytes()));
         }
         hash.finalize().to_hex()[..32].to_owned()
     }

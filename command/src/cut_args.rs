@@ -1,7 +1,7 @@
 //! The options for planes that cut spheres.
 
-use super::read_args::{LOOK, plane};
-use super::values::numbers;
+use super::read_args::{LOOK, Rule, plane};
+use super::values::{color, numbers};
 use clap::Args;
 use halfline::scene::CutPlane;
 use halfline_files::read::Selection;
@@ -25,6 +25,10 @@ pub(super) struct CutArgs {
     /// Planes cut only the spheres that EXPR selects; the others stay whole.
     #[arg(long, value_name = "EXPR")]
     cut_only: Option<Selection>,
+    /// Colour of the faces that planes cut, or with EXPR=C of those of selected spheres, as --color takes it [default: that of each
+    /// sphere]. Repeated, later ones win.
+    #[arg(long, value_name = "[EXPR=]C", value_parser = face_color)]
+    cut_color: Vec<Rule<[f32; 3]>>,
 }
 
 impl CutArgs {
@@ -35,15 +39,20 @@ impl CutArgs {
 
     /// Whether spheres are selected by their columns.
     pub(super) fn selects(&self) -> bool {
-        !self.cut_at.is_empty() || self.cut_only.is_some()
+        !self.cut_at.is_empty() || self.cut_only.is_some() || !Rule::selected(&self.cut_color).is_empty()
     }
 
     pub(super) fn rules(&self) -> CutRules {
         let plane = |[x, y, z, distance]: [f64; 4]| CutPlane { normal: [x, y, z], distance };
         let slabs = self.cut_slab.iter().flat_map(|[x, y, z, a, b]| [[*x, *y, *z, *b], [-x, -y, -z, -a]]);
         let planes = self.cut.iter().copied().chain(slabs).map(plane).collect();
-        CutRules { planes, at: self.cut_at.clone(), only: self.cut_only.clone() }
+        let (color, colors) = (Rule::for_all(&self.cut_color), Rule::selected(&self.cut_color));
+        CutRules { planes, at: self.cut_at.clone(), only: self.cut_only.clone(), color, colors }
     }
+}
+
+fn face_color(text: &str) -> Result<Rule<[f32; 3]>, String> {
+    Rule::parse(text, color)
 }
 
 fn slab(text: &str) -> Result<[f64; 5], String> {

@@ -150,13 +150,13 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
     let at = options.at(frame)?;
     let framing = options.framing(frame.has_camera, at, legend_shares)?;
     let (image, spheres) = (frame.scene.image, &frame.scene.spheres);
-    let mut warning = None;
+    let (mut warning, mut hidden) = (None, None);
     let camera = match (framing, options.focused(frame)?) {
         (Some(framing), Some(focus)) => {
             let camera = &frame.scene.camera;
             let source = options.direction_source(camera, frame.has_camera, frame.is_molecule, at);
             let found = look_at_focus(&source, options, camera, image, [focus, spheres], &framing)?;
-            warning = found.warning(matches!(source, DirectionSource::Axes | DirectionSource::Middle(_)));
+            hidden = found.warning(matches!(source, DirectionSource::Axes | DirectionSource::Middle(_)));
             found.camera
         }
         (framing, _) => {
@@ -172,6 +172,7 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
     frame.scene.camera = camera;
     let notes = frame.marks.iter().flat_map(|focus| focus.notes.iter().cloned());
     frame.skipped.assumed.extend(notes.chain(warning));
+    frame.hidden = hidden;
     Ok(framing)
 }
 

@@ -145,6 +145,7 @@ const OPTIONS: &[OptionRow] = &[
     row("cut_slab", Keyword(Render, "cut_slab", Tuples, "ArrayLike"), NO_PART),
     row("cut_at", Keyword(Render, "cut_at", Texts, "str | Iterable[str]"), NO_PART),
     row("cut_only", Keyword(Render, "cut_only", Text, "str | None"), NO_PART),
+    row("cut_color", Keyword(Render, "cut_color", Rules, "Color | Mapping[str, Color] | None"), NO_PART),
     row("eye", Elsewhere("Camera(eye)"), PAGE),
     row("at", Elsewhere("Camera(at)"), PAGE),
     row("up", Elsewhere("Camera(up)"), PAGE),

@@ -291,14 +291,14 @@ impl ColorArgs {
 
 /// A value for all spheres, or for those that an expression selects.
 #[derive(Debug, Clone)]
-struct Rule<T> {
+pub(super) struct Rule<T> {
     selection: Option<Selection>,
     value: T,
 }
 
 impl<T: Copy> Rule<T> {
     /// Parses `EXPR=VALUE` or `VALUE`; an expression may contain an equals sign, a value does not.
-    fn parse(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<Self, String> {
+    pub(super) fn parse(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<Self, String> {
         match text.rsplit_once('=') {
             None => Ok(Self { selection: None, value: value(text)? }),
             Some((expression, last)) => {
@@ -326,12 +326,12 @@ impl<T: Copy> Rule<T> {
     }
 
     /// The value for all spheres; the last one wins.
-    fn for_all(rules: &[Self]) -> Option<T> {
+    pub(super) fn for_all(rules: &[Self]) -> Option<T> {
         rules.iter().rev().find(|rule| rule.selection.is_none()).map(|rule| rule.value)
     }
 
     /// The rules for selected spheres.
-    fn selected(rules: &[Self]) -> Vec<(Selection, T)> {
+    pub(super) fn selected(rules: &[Self]) -> Vec<(Selection, T)> {
         rules.iter().filter_map(|rule| Some((rule.selection.clone()?, rule.value))).collect()
     }
 }

@@ -257,6 +257,8 @@ pub(super) fn with_light(
         frame.skipped.assumed.extend((enlarged > 0).then(warning));
     }
     frame.cut(&args.cut.rules())?;
+    let hidden = frame.hidden.take().filter(|_| frame.scene.spheres.cuts.is_none());
+    frame.skipped.assumed.extend(hidden);
     // The light from above left belongs to the final camera.
     let look = args.light.apply(&mut frame, aovs, request, lens)?;
     let (marked, notes) = frame.marked(&args.insets.marks())?;

@@ -186,6 +186,10 @@ class Options(TypedDict, total=False):
     """
     cut_only: str | None
     """Planes cut only the spheres that EXPR selects; the others stay whole."""
+    cut_color: Color | Mapping[str, Color] | None
+    """Colour of the faces that planes cut, or with EXPR=C of those of selected spheres, as color
+    takes it [default: that of each sphere]. Repeated, later ones win.
+    """
     size: tuple[int, int | None] | None
     """Columns and rows of the image [default: the scene file's, else (512, 512)]; (columns, None)
     takes the rows that the framed spheres fill. With a vfov the width of the view follows; a

@@ -121,6 +121,7 @@ RENDER: dict[str, list[Choice]] = {
     "cut_slab": [("0,0,1,-1,2", (0, 0, 1, -1, 2)), ("0,0,1,2,1", [(0, 0, 1, 2, 1)])],
     "cut_at": [("all", "all"), ("x > 0:1,0,1", "x > 0:1,0,1"), ("chain A:0,0,0", "chain A:0,0,0")],
     "cut_only": [("x > 0", "x > 0")],
+    "cut_color": [("red", "red"), ("x > 0=0.5,0,1", {"x > 0": (0.5, 0, 1)}), ("blak", "blak")],
     "exposure": [("0.5", 0.5), ("-1", -1), ("99", 99)],
     "tone": [("soft", "soft"), ("linear", "linear"), ("film", "film")],
     "shade": [("flat", "flat"), ("normal", "normal"), ("headlight", "headlight")],
@@ -186,7 +187,7 @@ NEEDED = {
     **dict.fromkeys(["map", "range", "log", "nan_color", "legend_in"], "color_by"),
     "shine": "material",
     "mark_all": "mark",
-    "cut_only": "cut",
+    **dict.fromkeys(["cut_only", "cut_color"], "cut"),
     "depth_cue_strength": "depth_cue",
 }
 # These are keywords of the call that saves the picture.

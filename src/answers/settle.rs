@@ -6,10 +6,10 @@ use crate::certify::binned::BinnedScene;
 use crate::certify::constants::VANISH;
 use crate::certify::cut::{CutHit, CutRay, SHARP};
 use crate::double_double as dd;
-use crate::exact::{Judge, Truth};
+use crate::exact::{Judge, Root, Truth};
 use crate::number::vector::{LANES, vectorized};
 use crate::scene::{Cuts, NumberedBall, Scene, Spheres};
-use crate::shade::{Shade, color_of};
+use crate::shade::Shade;
 use crate::view::picture_rays::PictureRays;
 use crate::view::placement::Placement;
 use crate::view::planes::EyePlanes;
@@ -373,7 +373,7 @@ pub(crate) fn shade(shade: Shade, scene: &Scene, view: &View, settled: &[Settled
             Some(truth) => {
                 let [row, column] = view.record.position(s.pixel);
                 let along = view.to_world(view.direction(row, column));
-                let own = color_of(scene.spheres.colors.as_deref(), truth.id);
+                let own = scene.spheres.color(truth.id, truth.root == Root::Face);
                 let normal = DVec3::from_array(truth.normal);
                 shade.in_world(normal, -normal.dot(along) / along.length(), own)
             }
@@ -396,9 +396,9 @@ pub(crate) fn shade_all(shade: Shade, scene: &Scene, view: &View, ids: &[u32], p
             *rgb = [0.0; 3];
             return;
         }
-        let own = color_of(spheres.colors.as_deref(), id);
         let ball = spheres.ball(id);
         let hit = rays.hit(pixel as u32, ball, spheres.is_cut(id));
+        let own = spheres.color(id, hit.face);
         let exact = || {
             let [row, column] = view.record.position(pixel as u32);
             judge.hit_of(row, column, spheres.solid(id)).map(|truth| DVec3::from_array(truth.normal))

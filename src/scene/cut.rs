@@ -1,6 +1,6 @@
 //! Planes that cut spheres: what lies beyond a plane is removed, and shows the inside of the spheres that it passes through.
 
-use super::{Ball, List, Spheres};
+use super::{Ball, DEFAULT_COLOR, List, Spheres};
 use crate::double_double as dd;
 use crate::dyadic::{self, Dyadic};
 use halfline_ground::error::{Error, Place, Result};
@@ -26,6 +26,8 @@ pub struct Cuts {
     /// [`CUT`] for a sphere that some plane cuts, [`REMOVED`] for one that lies wholly beyond a plane, [`SPARED`] for one that no plane may
     /// cut though it is not wholly kept; 0 for one that lies wholly on the kept side.
     pub of: List<u8>,
+    /// Linear RGB of the faces of each sphere; `None` for the colours of the spheres.
+    pub colors: Option<List<[f32; 3]>>,
 }
 
 /// The flag of a sphere that some plane cuts.
@@ -115,12 +117,17 @@ impl Cuts {
     /// The cuts of the spheres with these indices.
     pub(crate) fn chosen(&self, indices: &[u32]) -> Self {
         let flag = |id: &u32| self.of[*id as usize];
-        Self { planes: self.planes.clone(), of: indices.iter().map(flag).collect::<Vec<_>>().into() }
+        let color = |colors: &List<[f32; 3]>| indices.iter().map(|id| colors[*id as usize]).collect::<Vec<_>>().into();
+        Self {
+            planes: self.planes.clone(),
+            of: indices.iter().map(flag).collect::<Vec<_>>().into(),
+            colors: self.colors.as_ref().map(color),
+        }
     }
 
     /// The planes, without spheres.
     pub(crate) fn bare(&self) -> Self {
-        Self { planes: self.planes.clone(), of: Vec::new().into() }
+        Self { planes: self.planes.clone(), of: Vec::new().into(), colors: None }
     }
 
     /// Whether some plane cuts a sphere.
@@ -172,7 +179,7 @@ impl Spheres {
         };
         let of: Vec<u8> =
             parallel::collect(self.len(), CHEAP, &|range, flags| flags.extend(range.map(|n| side(n).flag())));
-        let cuts = Cuts { planes: planes.to_vec(), of: of.into() };
+        let cuts = Cuts { planes: planes.to_vec(), of: of.into(), colors: None };
         self.cuts = Some(cuts).filter(|cuts| cuts.of.iter().any(|flag| [CUT, REMOVED].contains(flag)));
         Ok(())
     }
@@ -181,6 +188,14 @@ impl Spheres {
     #[must_use]
     pub fn is_cut(&self, id: u32) -> bool {
         self.cuts.as_ref().is_some_and(|cuts| cuts.is_cut(id))
+    }
+
+    /// Linear RGB of a sphere, or of its face on a plane.
+    #[inline(always)]
+    pub(crate) fn color(&self, id: u32, is_face: bool) -> [f32; 3] {
+        let of_faces = || self.cuts.as_ref().and_then(|cuts| cuts.colors.as_deref());
+        let colors = if is_face { of_faces().or(self.colors.as_deref()) } else { self.colors.as_deref() };
+        colors.map_or(DEFAULT_COLOR, |colors| colors[id as usize])
     }
 
     /// A sphere as planes leave it.

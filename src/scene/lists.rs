@@ -46,8 +46,12 @@ impl Spheres {
         let kinds = materials.as_mut().map(|Materials { of, .. }| of as &mut dyn Values);
         let colors = colors.as_mut().map(|list| list as &mut dyn Values);
         let opacities = opacities.as_mut().map(|list| list as &mut dyn Values);
-        let cuts = cuts.as_mut().map(|Cuts { of, .. }| of as &mut dyn Values);
-        [Some(centers as &mut dyn Values), Some(radii), colors, kinds, opacities, cuts].into_iter().flatten()
+        let (flags, faces) = match cuts {
+            Some(Cuts { of, colors, .. }) => (Some(of as &mut dyn Values), colors.as_mut()),
+            None => (None, None),
+        };
+        let faces = faces.map(|list| list as &mut dyn Values);
+        [Some(centers as &mut dyn Values), Some(radii), colors, kinds, opacities, flags, faces].into_iter().flatten()
     }
 
     /// Removes all spheres, and keeps the memory.

@@ -6,7 +6,7 @@ use super::{Facing, Framing, ImagePlane, Spheres, Spread};
 use glam::DVec3;
 use halfline_ground::error::Result;
 use halfline_ground::parallel::{self, CHEAP};
-use halfline_ground::quote::setting::{CLIP, FOCUS, HIDE, OPACITY, VIEW};
+use halfline_ground::quote::setting::{CLIP, CUT_AT, FOCUS, HIDE, OPACITY, VIEW};
 use std::collections::HashSet;
 
 /// A camera that shows some spheres of a scene.
@@ -31,7 +31,7 @@ impl Outlook {
         let other = if is_best { String::new() } else { format!(", {VIEW} auto looks from where least is hidden") };
         (self.visible_share < HIDDEN).then(|| {
             format!(
-                "{percent} % of {FOCUS} is seen, the rest is behind other spheres; {HIDE} or {CLIP} removes these, {OPACITY} \
+                "{percent} % of {FOCUS} is seen, the rest is behind other spheres; {HIDE}, {CLIP} or {CUT_AT} removes these, {OPACITY} \
                  shows through them{other}"
             )
         })

@@ -65,6 +65,36 @@ fn slabs_selections_and_scene_files_say_the_same() {
 }
 
 #[test]
+fn faces_have_colours_of_their_own() {
+    let dir = with(NESTED);
+    let colors = |words: &str| {
+        let camera = CAMERA.replace("--look plain", "");
+        let line = format!("n.csv {camera} --color white --cut 0,0,1,1 {words} --aov color=c.npy");
+        dir.render(&self::words(&line));
+        let (colors, _) = dir.array("c.npy");
+        [5050, 5065, 5085].map(|pixel: usize| [0, 1, 2].map(|k| (100.0 * colors[3 * pixel + k]).round()))
+    };
+    let white = [100.0; 3];
+    for (look, words) in [
+        ("flat", "--look plain --shade flat"),
+        ("soft", "--look soft"),
+        ("through", "--look plain --shade flat --opacity kind~near=0.5"),
+    ] {
+        let plain = colors(words);
+        let all = colors(&format!("{words} --cut-color 0,1,0"));
+        let core = colors(&format!("{words} --cut-color 0,1,0 --cut-color kind~core=1,0,0"));
+        let hue = |color: [f64; 3]| color.map(|x| if x > 1.0 { 1 } else { 0 });
+        assert_eq!([hue(all[0]), hue(all[1])], [[0, 1, 0]; 2], "{look}: {all:?}");
+        assert_eq!([hue(core[0]), hue(core[1])], [[1, 0, 0], [0, 1, 0]], "{look}: {core:?}");
+        assert!(
+            all[2] == plain[2] && plain[0] == plain[1] && plain[2][0] == plain[2][1],
+            "{look}: the whole sphere keeps its own"
+        );
+        assert!(look != "flat" || plain == [white; 3], "{plain:?}");
+    }
+}
+
+#[test]
 fn what_cannot_be_cut_has_words() {
     let bad = "[camera]\neye = [0, 0, 40]\nview = [0, 0, -1]\nup = [0, 1, 0]\nheight = 20\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n
 [[cut]]\nnormal = [0, 0, 0]\ndistance = 1\n";
@@ -77,6 +107,8 @@ fn what_cannot_be_cut_has_words() {
     refused(2, "n.csv --cut-slab 0,0,1,2,2", &["--cut-slab", "nothing lies from 2 to 2"]);
     refused(2, "n.csv --cut-at kind~core:0,0,0", &["--cut-at", "direction behind the colon"]);
     refused(2, "n.csv --cut-only kind~core", &["--cut-only", "none cuts", "--cut-at"]);
+    refused(2, "n.csv --cut-color red", &["--cut-color", "none cuts"]);
+    refused(2, "n.csv --cut 0,0,1,1 --cut-color blak", &["--cut-color", "blak"]);
     refused(3, "n.csv --cut-at kind~nothing", &["--cut-at", "kind nothing", "none of 4 spheres"]);
     refused(2, "n.csv --cut 0,0,1,1 --stream", &["--stream", "--clip"]);
     refused(2, "n.csv --cut 0,0,1,1 --method stable", &["planes cut some spheres", "--method"]);

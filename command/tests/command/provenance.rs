@@ -53,7 +53,7 @@ const OF_SCENES: &[(&str, &[&str])] = &[
     ("--dpi", &["72", "300"]),
     ("--no-return", &["-1"]),
 ];
-const OF_PARTICLES: [(&str, &[&str]); 31] = [
+const OF_PARTICLES: [(&str, &[&str]); 32] = [
     ("--select", &["x > 0", "element O"]),
     ("--hide", &["element H"]),
     ("--radii", &["vdw", "covalent"]),
@@ -68,6 +68,7 @@ const OF_PARTICLES: [(&str, &[&str]); 31] = [
     ("--cut-slab", &["1,0,0,-0.3,0.4"]),
     ("--cut-at", &["element O", "all:0,1,0"]),
     ("--cut-only", &["element O"]),
+    ("--cut-color", &["red", "element O=teal"]),
     ("--color", &["red", "element O=blue"]),
     ("--color-by", &["vx", "element", "x"]),
     ("--opacity", &["0.4", "element O=0.5"]),

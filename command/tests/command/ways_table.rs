@@ -132,6 +132,8 @@ pub(crate) fn rows() -> Vec<Row> {
         at("cut-slab", "--cut-slab 0,0,1,1.5,2.5").or(CUT),
         at("cut-at", "--cut-at kind~a").or(CUT),
         at("cut-at", "--cut-at all:1,0,1").or(CUT),
+        row("cut-color", &format!("{CAMERA} --cut 1,1,1,6"), "--cut-color red").or(CUT),
+        row("cut-color", &format!("{CAMERA} --cut 1,1,1,6"), "--cut-color kind~a=0.5,0,1").or(CUT),
         row("cut-only", &format!("{CAMERA} --cut 1,1,1,6"), "--cut-only kind~a").or(CUT),
         at("color", "--color teal"),
         at("material", "--material metal"),

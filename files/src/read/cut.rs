@@ -2,9 +2,9 @@
 
 use super::sequence::SceneFrame;
 use halfline::error::{Error, Place, Result};
-use halfline::quote::setting::{CUT, CUT_AT, CUT_ONLY};
+use halfline::quote::setting::{CUT, CUT_AT, CUT_COLOR, CUT_ONLY};
 use halfline::quote::{count, quote};
-use halfline::scene::CutPlane;
+use halfline::scene::{CutPlane, DEFAULT_COLOR};
 use halfline_particles::Selection;
 
 /// The planes that cut spheres, and the spheres that they may cut.
@@ -16,6 +16,10 @@ pub struct CutRules {
     pub at: Vec<CutAt>,
     /// The spheres that planes may cut; `None` for all.
     pub only: Option<Selection>,
+    /// Linear RGB of all faces; `None` for the colours of their spheres.
+    pub color: Option<[f32; 3]>,
+    /// That of the faces of selected spheres; later ones win.
+    pub colors: Vec<(Selection, [f32; 3])>,
 }
 
 /// A plane through the mean of the centres of what is selected.
@@ -34,22 +38,45 @@ impl SceneFrame {
     /// [`Error::Settings`] for columns that the file does not have, and for spheres that may be cut without a plane; [`Error::Scene`] where
     /// nothing is selected for a plane to go through.
     pub fn cut(&mut self, rules: &CutRules) -> Result<()> {
+        self.cut_by_planes(rules)?;
+        let CutRules { color, colors, .. } = rules;
+        if self.scene.spheres.cuts.is_none() || color.is_none() && colors.is_empty() {
+            return Ok(());
+        }
+        let count = self.scene.spheres.len();
+        let mut of_faces: Vec<[f32; 3]> = match (color, &self.scene.spheres.colors) {
+            (Some(color), _) => vec![*color; count],
+            (None, Some(own)) => own.to_vec(),
+            (None, None) => vec![DEFAULT_COLOR; count],
+        };
+        for (selection, color) in colors {
+            let (flags, notes) = self.selected(selection)?;
+            self.skipped.assumed.extend(notes);
+            of_faces.iter_mut().zip(flags).filter(|(_, flag)| *flag).for_each(|(face, _)| *face = *color);
+        }
+        self.scene.spheres.cuts.iter_mut().for_each(|cuts| cuts.colors = Some(of_faces.clone().into()));
+        Ok(())
+    }
+
+    fn cut_by_planes(&mut self, rules: &CutRules) -> Result<()> {
         let mut planes = self.cuts.clone();
         planes.extend(&rules.planes);
         for at in &rules.at {
             planes.push(self.plane_at(at)?);
         }
-        let Some(only) = &rules.only else {
-            if !planes.is_empty() {
-                let may = self.sphere_flags(vec![true; self.scene.spheres.len()]);
-                self.scene.spheres.cut(&planes, (self.beads > 0).then_some(&may[..]))?;
-            }
-            return Ok(());
-        };
         if planes.is_empty() {
-            let problem = format!("{CUT_ONLY} is for planes, and none cuts the spheres");
-            return Err(Error::settings(problem, format!("give a plane by {CUT} or {CUT_AT}, or remove {CUT_ONLY}")));
+            let is_colored = rules.color.is_some() || !rules.colors.is_empty();
+            let idle = if rules.only.is_some() { Some(CUT_ONLY) } else { is_colored.then_some(CUT_COLOR) };
+            let words = |idle| {
+                let problem = format!("{idle} is for planes, and none cuts the spheres");
+                Error::settings(problem, format!("give a plane by {CUT} or {CUT_AT}, or remove {idle}"))
+            };
+            return idle.map_or(Ok(()), |idle| Err(words(idle)));
         }
+        let Some(only) = &rules.only else {
+            let may = self.sphere_flags(vec![true; self.scene.spheres.len()]);
+            return self.scene.spheres.cut(&planes, (self.beads > 0).then_some(&may[..]));
+        };
         let (may, notes) = self.selected(only)?;
         self.skipped.assumed.extend(notes);
         let may = self.sphere_flags(may);

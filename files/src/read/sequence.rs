@@ -71,6 +71,8 @@ pub struct SceneFrame {
     pub aperture: Option<Aperture>,
     /// The planes of its file that cut spheres.
     pub cuts: Vec<CutPlane>,
+    /// A warning about spheres that hide what the camera looks at, unless planes cut them.
+    pub hidden: Option<String>,
     /// The legend of the colours, where they come from a column.
     pub legend: Option<Legend>,
     /// The columns of the particles that [`ParticleOptions::keep`](super::ParticleOptions::keep) keeps, in the order of the spheres.
@@ -149,6 +151,7 @@ impl SceneFrame {
             has_camera: false,
             aperture: None,
             cuts: Vec::new(),
+            hidden: None,
             look: FileLook::PARTICLES,
             legend: None,
             columns: Arc::default(),

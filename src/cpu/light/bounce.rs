@@ -123,7 +123,7 @@ fn push(
         }
         Material::Plastic { .. } | Material::Ink => {}
         Material::Metal { fuzz } => {
-            let mut ray = mirror(lighting.own_color(point.id).as_dvec3());
+            let mut ray = mirror(lighting.own_color(point.id, point.is_face).as_dvec3());
             if fuzz > 0.0 {
                 let scattered = lighting.scattered.of(at, depth)[0].map(f64::from);
                 let scatter = DVec3::from_array(scattered) * f64::from(fuzz);

@@ -43,7 +43,7 @@ impl Colors<'_, '_, '_> {
             lanes.sky = open.of_run(&lighting.view.record, self.0.pixel(first), ids);
         }
         for (l, &id) in ids.iter().enumerate().filter(|(_, id)| **id != NONE) {
-            [lanes.own[0][l], lanes.own[1][l], lanes.own[2][l]] = lighting.own_color(id).to_array();
+            [lanes.own[0][l], lanes.own[1][l], lanes.own[2][l]] = lighting.own_color(id, false).to_array();
         }
         lanes
     }
@@ -71,12 +71,15 @@ impl NullaryFnOnce for Colors<'_, '_, '_> {
         let mut left = Vec::new();
         for (n, ids) in ids.chunks(LANES).enumerate() {
             let first = n * LANES;
-            let lanes = self.gathered(first, ids);
+            let mut lanes = self.gathered(first, ids);
             let hits = rays.hits(&self.0.shown(first));
             if let Some(depths) = self.0.chunk.depth.get_mut(first..) {
                 rays.write_depths(&hits, ids, depths);
             }
-            let PictureHits { normal, facing, near, .. } = hits;
+            let PictureHits { normal, facing, near, face, .. } = hits;
+            for (l, id) in ids.iter().enumerate().filter(|(l, _)| face[*l]) {
+                [lanes.own[0][l], lanes.own[1][l], lanes.own[2][l]] = lighting.own_color(*id, true).to_array();
+            }
             let mut white = [[0.0; LANES]; 3];
             match share {
                 Some(share) => {

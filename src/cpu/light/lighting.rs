@@ -7,7 +7,7 @@ use crate::answers::open_sky::OpenSky;
 use crate::certify::cut::CutRay;
 use crate::certify::surface::SurfacePoint;
 use crate::exact::Judge;
-use crate::scene::{DEFAULT_COLOR, Lighting, Material, NumberedBall, Scene, Sky, SkyLight};
+use crate::scene::{Lighting, Material, NumberedBall, Scene, Sky, SkyLight};
 use crate::search::tree::Tree;
 use crate::view::View;
 use crate::view::backdrop::Backdrop;
@@ -124,7 +124,7 @@ impl LightingContext<'_> {
         let spheres = &self.scene.spheres;
         let hit = rays.hit(pixel, spheres.ball(id), spheres.is_cut(id));
         if hit.near {
-            return (Surface { id, outside: hit.outside, normal: hit.normal }, hit.along, hit.sharp);
+            return (Surface { id, outside: hit.outside, is_face: hit.face, normal: hit.normal }, hit.along, hit.sharp);
         }
         (Surface::from(point()), hit.along, true)
     }
@@ -134,9 +134,8 @@ impl LightingContext<'_> {
     }
 
     #[inline(always)]
-    pub(super) fn own_color(&self, id: u32) -> Vec3 {
-        let color = self.scene.spheres.colors.as_ref().map_or(DEFAULT_COLOR, |colors| colors[id as usize]);
-        Vec3::from_array(color)
+    pub(super) fn own_color(&self, id: u32, is_face: bool) -> Vec3 {
+        Vec3::from_array(self.scene.spheres.color(id, is_face))
     }
 
     /// The unit direction of a viewing ray.

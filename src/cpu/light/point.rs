@@ -456,7 +456,7 @@ impl<'a> PointLight<'a> {
         if !surface.outside && self.lighting.bounces > 0 && self.lighting.material(surface.id).is_clear() {
             return DVec3::ZERO;
         }
-        let own = self.lighting.own_color(surface.id).as_dvec3();
+        let own = self.lighting.own_color(surface.id, surface.is_face).as_dvec3();
         let lights = &scene.lighting.lights;
         let (diffuse, specular) = match self.lighting.material(surface.id) {
             Material::Phong { diffuse, specular, .. } => (diffuse, specular),
