@@ -52,6 +52,33 @@ impl Renderer {
         Ok(report)
     }
 
+    /// Does `work` with the spheres of a scene that its planes leave.
+    ///
+    /// # Errors
+    /// Errors of `work`; [`crate::Error::Limits`] where memory is short.
+    pub(super) fn with_remaining<T>(
+        &mut self,
+        scene: &Scene,
+        work: impl FnOnce(&mut Self, &Scene) -> Result<T>,
+    ) -> Result<T> {
+        match self.remaining.of(&scene.spheres)? {
+            Some(remaining) => work(self, &remaining.scene(scene)),
+            None => work(self, scene),
+        }
+    }
+
+    /// The frame that `work` makes of the spheres that planes leave, with the ids that they have in the whole scene.
+    fn frame_of_remaining(
+        &mut self,
+        scene: &Scene,
+        work: impl FnOnce(&mut Self, &Scene) -> Result<Frame>,
+    ) -> Result<Frame> {
+        let Some(remaining) = self.remaining.of(&scene.spheres)? else { return work(self, scene) };
+        let mut frame = work(self, &remaining.scene(scene))?;
+        remaining.rename(&mut frame);
+        Ok(frame)
+    }
+
     /// Renders the window of a frame: the passes of [`PASSES`](super::passes::PASSES), each with the outputs of those before it.
     fn frame(&mut self, plan: Plan, rays: FrameRays, scene: &Scene, settings: &Settings) -> Result<Frame> {
         let mut at = Rendering::new(self, scene, settings, rays);

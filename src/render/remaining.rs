@@ -1,6 +1,5 @@
 //! The spheres of a scene that its planes leave, kept from frame to frame: a frame is made of them alone, and has the ids of all.
 
-use super::renderer::Renderer;
 use crate::frame::{Aov, Data, Frame};
 use crate::scene::{CUT, Cuts, Light, LightSource, Lighting, REMOVED, Scene, Spheres};
 use halfline_ground::error::Result;
@@ -46,14 +45,15 @@ impl Remaining {
         Light { source, ..light }
     }
 
-    fn scene(&self, of: &Scene) -> Scene {
+    /// The scene of these spheres alone.
+    pub(super) fn scene(&self, of: &Scene) -> Scene {
         let lights = of.lighting.lights.iter().map(|light| self.light(*light)).collect();
         let lighting = Lighting { lights, ..of.lighting.clone() };
         Scene { camera: of.camera, image: of.image, spheres: self.spheres.clone(), lighting }
     }
 
     /// Gives the spheres of a frame the ids that they have in the whole scene.
-    fn rename(&self, frame: &mut Frame) {
+    pub(super) fn rename(&self, frame: &mut Frame) {
         for buffer in frame.buffers.iter_mut().filter(|buffer| buffer.aov == Aov::Id) {
             if let Data::I32(ids) = &mut buffer.data {
                 parallel::each(ids, |_, id| *id = usize::try_from(*id).map_or(*id, |n| self.ids[n] as i32));
@@ -64,43 +64,19 @@ impl Remaining {
     }
 }
 
-impl Renderer {
-    /// Does `work` with the spheres of a scene that its planes leave.
-    ///
-    /// # Errors
-    /// Errors of `work`; [`crate::Error::Limits`] where memory is short.
-    pub(super) fn with_remaining<T>(
-        &mut self,
-        scene: &Scene,
-        work: impl FnOnce(&mut Self, &Scene) -> Result<T>,
-    ) -> Result<T> {
-        match self.remaining(&scene.spheres)? {
-            Some(remaining) => work(self, &remaining.scene(scene)),
-            None => work(self, scene),
-        }
-    }
+/// The spheres that the planes of the scene of the last frame left.
+#[derive(Default)]
+pub(super) struct LastRemaining(Option<Arc<Remaining>>);
 
-    /// The frame that `work` makes of the spheres that planes leave, with the ids that they have in the whole scene.
-    ///
-    /// # Errors
-    /// As [`Renderer::with_remaining`].
-    pub(super) fn frame_of_remaining(
-        &mut self,
-        scene: &Scene,
-        work: impl FnOnce(&mut Self, &Scene) -> Result<Frame>,
-    ) -> Result<Frame> {
-        let mut frame = self.with_remaining(scene, work)?;
-        if let Some(remaining) = self.remaining(&scene.spheres)? {
-            remaining.rename(&mut frame);
-        }
-        Ok(frame)
-    }
-
+impl LastRemaining {
     /// The spheres that planes leave; `None` where they remove none.
-    fn remaining(&mut self, spheres: &Spheres) -> Result<Option<Arc<Remaining>>> {
+    ///
+    /// # Errors
+    /// [`crate::Error::Limits`] where memory is short.
+    pub(super) fn of(&mut self, spheres: &Spheres) -> Result<Option<Arc<Remaining>>> {
         let Some(cuts) = spheres.cuts.as_ref().filter(|cuts| cuts.count(REMOVED) > 0) else { return Ok(None) };
-        let known = self.remaining.take().filter(|known| known.all.is_same(spheres) && known.all.cuts == spheres.cuts);
+        let known = self.0.take().filter(|known| known.all.is_same(spheres) && known.all.cuts == spheres.cuts);
         let remaining = known.map_or_else(|| Remaining::of(spheres, cuts).map(Arc::new), Ok)?;
-        Ok(Some(Arc::clone(self.remaining.insert(remaining))))
+        Ok(Some(Arc::clone(self.0.insert(remaining))))
     }
 }

@@ -4,7 +4,7 @@ use super::opaque::LastOpaque;
 use super::order::LastOrder;
 use super::place::ChosenDevice;
 use super::plan::Plan;
-use super::remaining::Remaining;
+use super::remaining::LastRemaining;
 use crate::cpu;
 use crate::frame::report::milliseconds;
 use crate::frame::{Data, Frame};
@@ -36,8 +36,7 @@ pub struct Renderer {
     pub(super) order: LastOrder,
     /// The opaque spheres, cached between frames, of a picture that shows something through others.
     pub(super) opaque: LastOpaque,
-    /// The spheres that the planes of the scene of the last frame left; `None` where they removed none.
-    pub(super) remaining: Option<Arc<Remaining>>,
+    pub(super) remaining: LastRemaining,
 }
 
 impl Renderer {
@@ -74,7 +73,7 @@ impl Renderer {
             frames: 0,
             order: LastOrder::default(),
             opaque: LastOpaque::default(),
-            remaining: None,
+            remaining: LastRemaining::default(),
         }
     }
 

@@ -349,7 +349,7 @@ fn whole_root(x: i128) -> Option<i128> {
 
 impl WholeScene {
     /// The scene m times as large, seen from its hit m (origin + k/m direction) along a direction.
-    fn from_hit(&self, Fraction(k, m): Fraction, toward: impl FnOnce(Whole) -> Whole) -> Self {
+    fn at_hit(&self, Fraction(k, m): Fraction, toward: impl FnOnce(Whole) -> Whole) -> Self {
         let origin = [0, 1, 2].map(|n| m * self.origin[n] + k * self.direction[n]);
         Self {
             balls: self.balls.iter().map(|(c, r)| (c.map(|x| m * x), m * r)).collect(),
@@ -437,7 +437,7 @@ fn lights_from_hits_among_cut_balls_are_those_of_whole_numbers() {
             .map(|(n, light)| {
                 let Fraction(_, m) = at;
                 let to = |origin: Whole| [0, 1, 2].map(|k| if n < 3 { light[k] } else { m * light[k] - origin[k] });
-                scene.from_hit(at, to).is_hidden(found, plane, &sides, n < 3)
+                scene.at_hit(at, to).is_hidden(found, plane, &sides, n < 3)
             })
             .collect();
         let [origin, direction] = [scene.origin, scene.direction].map(|x| x.map(|x| x as f64));
