@@ -178,3 +178,13 @@ fn errors_name_the_file() {
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     }
 }
+
+#[test]
+fn messages_name_the_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let files = files(&folder);
+    let own = file(&folder, "own.csv", "x,y,z,radius,file\n0,0,0,1,7\n");
+    let frame = read(&files[0], &options("1", &[&own])).remove(0);
+    let message = frame.skipped.assumed.iter().find(|message| message.contains("the column file"));
+    assert!(message.is_some_and(|message| message.starts_with("own: ")), "{:?}", frame.skipped.assumed);
+}
