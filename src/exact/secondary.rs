@@ -352,7 +352,7 @@ impl<'a> HitPoint<'a> {
 
     /// The signs of |l|^2 num^2 - 2 b num den + power den^2, below 0 between the roots of a sphere, and of |l|^2 num - b den, below 0 before
     /// the middle of these.
-    fn beside_roots(&self, light: &LightVector, Place { b, power }: &Place, Pass { num, den }: &Pass) -> [Ordering; 2] {
+    fn signs_at_plane(&self, light: &LightVector, Place { b, power }: &Place, Pass { num, den }: &Pass) -> [Ordering; 2] {
         let field = &self.field;
         let (far, mid) = (field.times(&light.length2, num), field.times(b, den));
         let first = field.times(&far.minus(&mid.clone().twice()), num);
@@ -364,7 +364,7 @@ impl<'a> HitPoint<'a> {
     /// at the far one.
     fn is_met_before_exit(&self, light: &LightVector, place: &Place) -> bool {
         let begins_inside = || light.kept.entry.is_none() && self.field.sign(&place.power) != Ordering::Greater;
-        light.kept.exit.as_ref().is_none_or(|exit| match self.beside_roots(light, place, exit) {
+        light.kept.exit.as_ref().is_none_or(|exit| match self.signs_at_plane(light, place, exit) {
             [side, _] if begins_inside() => side == Ordering::Greater,
             [side, middle] => side == Ordering::Less || middle == Ordering::Greater,
         })
@@ -380,7 +380,7 @@ impl<'a> HitPoint<'a> {
             light.infinite || side == Ordering::Less || field.sign(&light.length2.minus(b)) == Ordering::Greater
         };
         let is_behind = |entry: &Pass| {
-            let [side, middle] = self.beside_roots(light, place, entry);
+            let [side, middle] = self.signs_at_plane(light, place, entry);
             side == Ordering::Less || middle == Ordering::Less
         };
         field.sign(&disc) != Ordering::Less && light.kept.entry.as_ref().is_some_and(is_behind) && begins_before_end()

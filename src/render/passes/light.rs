@@ -216,7 +216,7 @@ pub(super) fn all_spheres(at: &mut Rendering<'_>, plan: &Plan) -> LightSetup {
     LightSetup { tree, blockers, spared, accuracy: plan.accuracy, from_first: true, by_host }
 }
 
-/// Where planes spare some of these spheres, the tree over the ones that they do not spare, and that over the others.
+/// The tree over those of these spheres that planes do not spare, and that over the others; `None` where they spare none.
 pub(super) fn of_cuts(spheres: &Spheres, ids: &[u32]) -> Option<(Arc<Tree>, Arc<Tree>)> {
     let cuts = spheres.cuts.as_ref()?;
     let (spared, others): (Vec<u32>, Vec<u32>) = ids.iter().partition(|id| cuts.is_spared(**id));
