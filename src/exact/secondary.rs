@@ -352,7 +352,12 @@ impl<'a> HitPoint<'a> {
 
     /// The signs of |l|^2 num^2 - 2 b num den + power den^2, below 0 between the roots of a sphere, and of |l|^2 num - b den, below 0 before
     /// the middle of these.
-    fn signs_at_plane(&self, light: &LightVector, Place { b, power }: &Place, Pass { num, den }: &Pass) -> [Ordering; 2] {
+    fn signs_at_plane(
+        &self,
+        light: &LightVector,
+        Place { b, power }: &Place,
+        Pass { num, den }: &Pass,
+    ) -> [Ordering; 2] {
         let field = &self.field;
         let (far, mid) = (field.times(&light.length2, num), field.times(b, den));
         let first = field.times(&far.minus(&mid.clone().twice()), num);
