@@ -47,10 +47,12 @@ impl<'a> LightRay<'a> {
     /// The same ray among planes that cut the spheres, which are `at` these places from the point.
     pub(crate) fn cut_by(self, cuts: &'a HitCuts<'a>, at: &PointPlanes) -> Self {
         let (point, ray) = (self.point, self.search.ray);
-        let part = match () {
-            () if point.is_face => Part::Nothing,
-            () if at.is_kept => Part::Until(at.clipped(ray)),
-            () => CutRay::of_hit(at, *ray).map_or(Part::Unknown, Part::Within),
+        let part = if point.is_face {
+            Part::Nothing
+        } else if at.is_kept {
+            Part::Until(at.clipped(ray))
+        } else {
+            CutRay::of_hit(at, *ray).map_or(Part::Unknown, Part::Within)
         };
         let own = (!cuts.cuts.is_spared(point.id)).then_some(point.ball);
         Self { search: Search { own, ..self.search }, cut: Some((cuts, part)), ..self }

@@ -52,13 +52,15 @@ const STEPS: usize = 64;
 const AS_GOOD: f64 = 0.9;
 
 impl Spheres {
-    /// The centres and radii of the spheres whose flag is set; flags beyond the spheres do not matter.
+    /// The centres and radii of the spheres whose flag is set, as planes cut them; flags beyond the spheres do not matter.
     #[must_use]
     pub fn part(&self, flags: &[bool]) -> Self {
         let chosen: Vec<usize> = (0..self.len()).filter(|n| flags.get(*n).is_some_and(|flag| *flag)).collect();
         let centers: Vec<[f64; 3]> = chosen.iter().map(|n| self.centers[*n]).collect();
         let radii: Vec<f64> = chosen.iter().map(|n| self.radii[*n]).collect();
-        Self { centers: centers.into(), radii: radii.into(), ..Self::default() }
+        let ids: Vec<u32> = chosen.iter().map(|n| *n as u32).collect();
+        let cuts = self.cuts.as_ref().map(|cuts| cuts.chosen(&ids));
+        Self { centers: centers.into(), radii: radii.into(), cuts, ..Self::default() }
     }
 }
 

@@ -17,6 +17,7 @@ use halfline::scene::{CutPlane, ImagePlane, Light, LightSource, Lighting, Materi
 use halfline::settings::{Accuracy, Settings, Tolerance};
 use halfline::shade::Shade;
 use halfline::window::Window;
+use serde::Deserialize;
 
 const SIZE: [u32; 2] = [49, 35];
 
@@ -117,6 +118,81 @@ fn pixels_of_cut_spheres_are_those_of_the_judge() {
     }
     println!("{pixels} pixels, {faces} of them faces");
     assert!(faces > pixels / 10, "{faces} faces of {pixels}");
+}
+
+#[derive(Deserialize)]
+struct Case {
+    eye: [String; 3],
+    viewport: [String; 2],
+    parallel: bool,
+    spheres: Vec<[String; 4]>,
+    planes: Vec<[String; 4]>,
+    spared: Vec<bool>,
+    /// Of each pixel the letter of its sphere, as a capital on a face; `.` for none.
+    rows: Vec<String>,
+}
+
+fn number(bits: &String) -> f64 {
+    f64::from_bits(u64::from_str_radix(bits, 16).unwrap_or_else(|_| panic!("{bits}")))
+}
+
+impl Case {
+    fn scene(&self) -> Scene {
+        let mut spheres = Spheres::default();
+        for sphere in &self.spheres {
+            let [x, y, z, radius] = sphere.each_ref().map(number);
+            spheres.push([x, y, z], radius, None);
+        }
+        let plane = |plane: &[String; 4]| {
+            let [x, y, z, distance] = plane.each_ref().map(number);
+            CutPlane { normal: [x, y, z], distance }
+        };
+        let planes: Vec<CutPlane> = self.planes.iter().map(plane).collect();
+        let may: Vec<bool> = self.spared.iter().map(|spared| !spared).collect();
+        spheres.cut(&planes, Some(&may)).expect("planes");
+        let [vw, vh] = self.viewport.each_ref().map(number);
+        let lens =
+            if self.parallel { Lens::Orthographic { height: vh } } else { Lens::Viewport { vw, vh, distance: 1.0 } };
+        let camera = Camera { eye: self.eye.each_ref().map(number).into(), lens, ..Camera::CANONICAL };
+        let image = ImagePlane { width: 9, height: 7, ..ImagePlane::default() };
+        Scene { camera, image, spheres, lighting: Lighting::default() }
+    }
+}
+
+/// The fixture is made by `python3 tests/truth/cuts.py`, in fractions.
+#[test]
+fn first_hits_of_cut_spheres_are_those_of_fractions() {
+    let cases: Vec<Case> = serde_json::from_str(include_str!("../truth/cuts.json")).expect("the fixture");
+    let (mut faces, mut wrong) = (0, Vec::new());
+    let mut renderers = renderers();
+    for (n, case) in cases.iter().enumerate() {
+        let scene = case.scene();
+        let judge = Judge::new(&scene).expect("a scene");
+        let letters: Vec<char> = case.rows.iter().flat_map(|row| row.chars()).collect();
+        let id = |letter: char| if letter == '.' { -1 } else { letter.to_ascii_lowercase() as i32 - 'a' as i32 };
+        for (backend, renderer) in &mut renderers {
+            for accuracy in [Accuracy::Certified, Accuracy::Exact] {
+                let settings = Settings { accuracy, aovs: vec![Aov::Id], ..Settings::default() };
+                let frame = renderer.render(&scene, &settings).expect("a frame");
+                for (pixel, (found, letter)) in frame.ids().iter().zip(&letters).enumerate() {
+                    if *found != id(*letter) {
+                        wrong.push(format!(
+                            "scene {n}, pixel {pixel}, {backend:?}, {accuracy:?}: {found} is not {letter}"
+                        ));
+                    }
+                }
+            }
+        }
+        for (pixel, letter) in (0..).zip(&letters) {
+            let is_face = judge.pixel(pixel / 9, pixel % 9).is_some_and(|truth| truth.root == Root::Face);
+            if is_face != letter.is_ascii_uppercase() {
+                wrong.push(format!("scene {n}, pixel {pixel}: {letter} of the judge is on a face: {is_face}"));
+            }
+            faces += u32::from(is_face);
+        }
+    }
+    assert!(faces > 1000 && cases.len() == 200, "{faces} faces of {} scenes", cases.len());
+    assert!(wrong.is_empty(), "{} are wrong: {:#?}", wrong.len(), &wrong[..wrong.len().min(5)]);
 }
 
 /// Cases in which bounds that forget a part of the rule are wrong: an eye in a cut sphere beside a smaller one ahead, a plane next to

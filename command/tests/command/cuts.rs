@@ -94,6 +94,19 @@ fn faces_have_colours_of_their_own() {
     }
 }
 
+/// A thing in a translucent shell, behind a wall that a plane removes, has its name.
+#[test]
+fn marks_see_through_what_is_removed() {
+    let text = "x,y,z,radius,kind\n0,0,0,4,shell\n0,0,0,2,core\n0,0,12,5,wall\n";
+    let dir = with(text);
+    let err = |cut: &str| {
+        let line = format!("n.csv {CAMERA} --opacity kind~shell=0.4 --mark kind~core=C {cut} -o a.png");
+        dir.render(&words(&line)).err
+    };
+    let hidden = "what no pixel shows";
+    assert!(err("").contains(hidden) && !err("--cut 0,0,1,6").contains(hidden), "{}", err("--cut 0,0,1,6"));
+}
+
 #[test]
 fn what_cannot_be_cut_has_words() {
     let bad = "[camera]\neye = [0, 0, 40]\nview = [0, 0, -1]\nup = [0, 1, 0]\nheight = 20\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n

@@ -85,22 +85,20 @@ impl LightingContext<'_> {
     pub(super) fn point(&self, [i, j]: [u32; 2], id: u32) -> SurfacePoint {
         let sphere = NumberedBall { id, ball: self.scene.spheres.ball(id) };
         let placement = &self.tree.placement;
-        let judged = |point: Option<SurfacePoint>, judge: &Judge| match point {
-            Some(point) if point.is_sharp(placement) => Some(point),
-            _ => match judge.hit_of(i, j, self.scene.spheres.solid(id)) {
-                Some(truth) => Some(SurfacePoint::judged(placement, &truth, sphere)),
-                None => point,
-            },
-        };
         let whole = || SurfacePoint::of_pixel(self.view, placement, [i, j], sphere);
-        let point = match &self.cuts {
-            Some(cuts) if cuts.cuts.is_cut(id) => CutRay::of_pixel(&cuts.planes, self.view, placement, [i, j])
-                .and_then(|ray| Some(ray.point(&cuts.planes, sphere, ray.hit(sphere, true)?))),
-            _ => Some(whole()),
+        let cuts = self.cuts.as_ref().filter(|cuts| cuts.cuts.is_cut(id));
+        let of_cut = |cuts: &HitCuts<'_>| {
+            let ray = CutRay::of_pixel(&cuts.planes, self.view, placement, [i, j])?;
+            Some(ray.point(&cuts.planes, sphere, ray.hit(sphere, true)?))
         };
-        match self.judge {
-            None => point.unwrap_or_else(whole).trusted(placement),
-            Some(judge) => judged(point, judge).unwrap_or_else(whole),
+        let point = cuts.map_or_else(|| Some(whole()), of_cut);
+        match (self.judge, point) {
+            (None, point) => point.unwrap_or_else(whole).trusted(placement),
+            (Some(_), Some(point)) if point.is_sharp(placement) => point,
+            (Some(judge), point) => match judge.hit_of(i, j, self.scene.spheres.solid(id)) {
+                Some(truth) => SurfacePoint::judged(placement, &truth, sphere),
+                None => point.unwrap_or_else(whole),
+            },
         }
     }
 
