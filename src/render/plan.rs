@@ -17,7 +17,7 @@ use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use choose::Choice;
 use halfline_ground::error::{Error, Result};
-use halfline_ground::quote::setting::{ACCURACY, APERTURE, BOUNCES, CUT, METHOD};
+use halfline_ground::quote::setting::{ACCURACY, APERTURE, BOUNCES, CLIP, METHOD};
 use kind::EngineKind;
 
 /// The decisions for one scene and its settings, with their reasons.
@@ -99,8 +99,12 @@ impl Plan {
         if scene.spheres.cuts.is_none() || self.given.is_none() && !bounces {
             return Ok(());
         }
-        let problem = "planes cut some spheres, which no mirror and no curved lens takes for cut yet";
-        Err(Error::settings(problem, format!("use {BOUNCES} 0, or no {CUT}, with mirrors and glass, and another lens")))
+        let (what, mend) = match self.given {
+            Some(_) => ("a curved lens", "use another lens".to_owned()),
+            None => ("mirrors and glass", format!("use other materials, or {BOUNCES} 0, which shades them as matte")),
+        };
+        let problem = format!("planes cut some spheres, and {what} would show them whole");
+        Err(Error::settings(problem, format!("{mend}, or remove the planes: {CLIP} leaves spheres out instead")))
     }
 
     /// The plan for viewing rays through a plane, as far as hits go.

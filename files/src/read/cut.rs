@@ -2,7 +2,7 @@
 
 use super::sequence::SceneFrame;
 use halfline::error::{Error, Place, Result};
-use halfline::quote::setting::{CUT, CUT_AT, CUT_COLOR, CUT_ONLY};
+use halfline::quote::setting::{CUT, CUT_AT, CUT_COLOR, CUT_ONLY, CUT_SLAB};
 use halfline::quote::{count, quote};
 use halfline::scene::{CutPlane, DEFAULT_COLOR};
 use halfline_particles::Selection;
@@ -69,7 +69,7 @@ impl SceneFrame {
             let idle = if rules.only.is_some() { Some(CUT_ONLY) } else { is_colored.then_some(CUT_COLOR) };
             let words = |idle| {
                 let problem = format!("{idle} is for planes, and none cuts the spheres");
-                Error::settings(problem, format!("give a plane by {CUT} or {CUT_AT}, or remove {idle}"))
+                Error::settings(problem, format!("give a plane by {CUT}, {CUT_SLAB} or {CUT_AT}, or remove {idle}"))
             };
             return idle.map_or(Ok(()), |idle| Err(words(idle)));
         }
