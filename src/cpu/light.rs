@@ -98,7 +98,7 @@ impl<'a> PixelShader<'a> {
         let LightOutputs { color, shadow, occlusion, sky, .. } = lighting.outputs;
         Self {
             lighting,
-            rays: PictureRays::new(lighting.view, lighting.scene.spheres.cuts.as_ref()),
+            rays: lighting.picture_rays(),
             at_point: PointLight::new(lighting),
             onward: Vec::new(),
             rayless: color && lighting.is_rayless(),

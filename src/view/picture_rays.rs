@@ -131,7 +131,11 @@ impl PictureHits {
 impl<'a> PictureRays<'a> {
     /// The rays of a view to spheres that planes may cut.
     pub(crate) fn new(view: &'a View, cuts: Option<&Cuts>) -> Self {
-        let planes = cuts.map(|cuts| EyePlanes::new(cuts, view.basis.e));
+        Self::among(view, cuts.map(|cuts| EyePlanes::new(cuts, view.basis.e)))
+    }
+
+    /// The same with these planes, as its eye sees them.
+    pub(crate) fn among(view: &'a View, planes: Option<EyePlanes>) -> Self {
         Self { view, scale: dd::ldexp(1.0, -view.unit), planes }
     }
 

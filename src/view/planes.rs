@@ -6,9 +6,11 @@ use crate::scene::{CutPlane, Cuts};
 use crate::view::ray::dot3;
 use glam::DVec3;
 use std::cmp::Ordering;
+use std::sync::Arc;
 
 /// Planes seen from an eye.
-pub(crate) struct EyePlanes(Vec<EyePlane>);
+#[derive(Clone)]
+pub(crate) struct EyePlanes(Arc<[EyePlane]>);
 
 /// N with its largest component in [1, 2), its length, D in that unit, and D - N.e, rounded from its exact value, with the sign of that.
 pub(crate) struct EyePlane {

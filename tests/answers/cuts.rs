@@ -9,6 +9,7 @@ use crate::bits::{Bits, differing};
 use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
+use crate::truth::Digits;
 use glam::DVec3;
 use halfline::camera::{Camera, Lens};
 use halfline::exact::{Judge, Root, Toward};
@@ -122,38 +123,34 @@ fn pixels_of_cut_spheres_are_those_of_the_judge() {
 
 #[derive(Deserialize)]
 struct Case {
-    eye: [String; 3],
-    viewport: [String; 2],
+    eye: [Digits; 3],
+    viewport: [Digits; 2],
     parallel: bool,
-    spheres: Vec<[String; 4]>,
-    planes: Vec<[String; 4]>,
+    spheres: Vec<[Digits; 4]>,
+    planes: Vec<[Digits; 4]>,
     spared: Vec<bool>,
     /// Of each pixel the letter of its sphere, as a capital on a face; `.` for none.
     rows: Vec<String>,
-}
-
-fn number(bits: &String) -> f64 {
-    f64::from_bits(u64::from_str_radix(bits, 16).unwrap_or_else(|_| panic!("{bits}")))
 }
 
 impl Case {
     fn scene(&self) -> Scene {
         let mut spheres = Spheres::default();
         for sphere in &self.spheres {
-            let [x, y, z, radius] = sphere.each_ref().map(number);
+            let [x, y, z, radius] = sphere.each_ref().map(Digits::number);
             spheres.push([x, y, z], radius, None);
         }
-        let plane = |plane: &[String; 4]| {
-            let [x, y, z, distance] = plane.each_ref().map(number);
+        let plane = |plane: &[Digits; 4]| {
+            let [x, y, z, distance] = plane.each_ref().map(Digits::number);
             CutPlane { normal: [x, y, z], distance }
         };
         let planes: Vec<CutPlane> = self.planes.iter().map(plane).collect();
         let may: Vec<bool> = self.spared.iter().map(|spared| !spared).collect();
         spheres.cut(&planes, Some(&may)).expect("planes");
-        let [vw, vh] = self.viewport.each_ref().map(number);
+        let [vw, vh] = self.viewport.each_ref().map(Digits::number);
         let lens =
             if self.parallel { Lens::Orthographic { height: vh } } else { Lens::Viewport { vw, vh, distance: 1.0 } };
-        let camera = Camera { eye: self.eye.each_ref().map(number).into(), lens, ..Camera::CANONICAL };
+        let camera = Camera { eye: self.eye.each_ref().map(Digits::number).into(), lens, ..Camera::CANONICAL };
         let image = ImagePlane { width: 9, height: 7, ..ImagePlane::default() };
         Scene { camera, image, spheres, lighting: Lighting::default() }
     }

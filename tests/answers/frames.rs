@@ -9,6 +9,7 @@
 //! - D: everything is subnormal, or so large that squares overflow.
 
 use crate::adapter::renderers;
+use crate::truth::Digits;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::Aov;
 use halfline::scene::{ImagePlane, Scene, Spheres};
@@ -18,39 +19,34 @@ use serde::Deserialize;
 #[derive(Deserialize)]
 struct Case {
     name: String,
-    eye: [String; 3],
-    at: Option<[String; 3]>,
-    view: Option<[String; 3]>,
-    up: [String; 3],
-    viewport: [String; 2],
-    distance: String,
+    eye: [Digits; 3],
+    at: Option<[Digits; 3]>,
+    view: Option<[Digits; 3]>,
+    up: [Digits; 3],
+    viewport: [Digits; 2],
+    distance: Digits,
     size: [u32; 2],
-    spheres: Vec<[String; 4]>,
+    spheres: Vec<[Digits; 4]>,
     /// `.` for a miss, else the digit of the sphere.
     rows: Vec<String>,
 }
 
-/// The f64 of these hexadecimal digits.
-fn number(bits: &String) -> f64 {
-    f64::from_bits(u64::from_str_radix(bits, 16).unwrap_or_else(|_| panic!("{bits}")))
-}
-
 impl Case {
     fn scene(&self) -> Scene {
-        let vector = |a: &[String; 3]| a.each_ref().map(number).into();
+        let vector = |a: &[Digits; 3]| a.each_ref().map(Digits::number).into();
         let look = match (&self.at, &self.view) {
             (Some(at), None) => Look::At(vector(at)),
             (None, Some(view)) => Look::View(vector(view)),
             _ => panic!("{}: either at or view", self.name),
         };
-        let [[vw, vh], distance] = [self.viewport.each_ref().map(number), [number(&self.distance); 2]];
+        let [[vw, vh], distance] = [self.viewport.each_ref().map(Digits::number), [self.distance.number(); 2]];
         let lens = match distance[0].is_infinite() {
             true => Lens::Orthographic { height: vh },
             false => Lens::Viewport { vw, vh, distance: distance[0] },
         };
         let mut spheres = Spheres::default();
         for sphere in &self.spheres {
-            let [x, y, z, radius] = sphere.each_ref().map(number);
+            let [x, y, z, radius] = sphere.each_ref().map(Digits::number);
             spheres.push([x, y, z], radius, None);
         }
         Scene {

@@ -11,6 +11,7 @@ use crate::cloud::cloud;
 use crate::oblique::{self, vfov};
 use crate::rng::Rng;
 use crate::stream::{blocks, settings as stream_settings};
+use crate::truth::Digits;
 use glam::DVec3;
 use halfline::camera::{Aperture, Camera, Lens, Look as Toward};
 use halfline::frame::{Aov, Frame};
@@ -26,32 +27,28 @@ const SIZE: [u32; 2] = [73, 51];
 
 #[derive(Deserialize)]
 struct Case {
-    eye: [String; 3],
-    viewport: [String; 2],
+    eye: [Digits; 3],
+    viewport: [Digits; 2],
     parallel: bool,
-    spheres: Vec<[String; 4]>,
+    spheres: Vec<[Digits; 4]>,
     opaque: Vec<bool>,
     /// Of each pixel the spheres in order, one letter each, up to the first opaque one; `.` for none.
     rows: Vec<Vec<String>>,
-}
-
-fn number(bits: &String) -> f64 {
-    f64::from_bits(u64::from_str_radix(bits, 16).unwrap_or_else(|_| panic!("{bits}")))
 }
 
 impl Case {
     fn scene(&self, rng: &mut Rng) -> Scene {
         let mut spheres = Spheres::default();
         for (sphere, opaque) in self.spheres.iter().zip(&self.opaque) {
-            let [x, y, z, radius] = sphere.each_ref().map(number);
+            let [x, y, z, radius] = sphere.each_ref().map(Digits::number);
             spheres.push([x, y, z], radius, Some(rng.cube().map(|c| 0.5 + 0.5 * c as f32)));
             spheres.set_opacity_from(spheres.len() - 1, if *opaque { 1.0 } else { 0.1 + 0.8 * rng.unit() as f32 });
         }
-        let [vw, vh] = self.viewport.each_ref().map(number);
+        let [vw, vh] = self.viewport.each_ref().map(Digits::number);
         let lens =
             if self.parallel { Lens::Orthographic { height: vh } } else { Lens::Viewport { vw, vh, distance: 1.0 } };
         let look = Toward::View(-DVec3::Z);
-        let camera = Camera { eye: self.eye.each_ref().map(number).into(), look, up: DVec3::Y, lens };
+        let camera = Camera { eye: self.eye.each_ref().map(Digits::number).into(), look, up: DVec3::Y, lens };
         let image = ImagePlane { width: 9, height: 7, background: [0.25, 0.5, 0.125] };
         Scene { camera, image, spheres, lighting: Default::default() }
     }

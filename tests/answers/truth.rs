@@ -15,39 +15,45 @@ use serde::Deserialize;
 /// Hexadecimal digits of an f64's bits.
 #[derive(Deserialize)]
 #[serde(try_from = "String")]
-struct Bits(f64);
+pub(crate) struct Digits(f64);
 
-impl TryFrom<String> for Bits {
+impl TryFrom<String> for Digits {
     type Error = std::num::ParseIntError;
     fn try_from(digits: String) -> Result<Self, Self::Error> {
         u64::from_str_radix(&digits, 16).map(|bits| Self(f64::from_bits(bits)))
     }
 }
 
+impl Digits {
+    pub(crate) fn number(&self) -> f64 {
+        self.0
+    }
+}
+
 #[derive(Deserialize)]
 struct Case {
     name: String,
-    eye: [Bits; 3],
-    at: Option<[Bits; 3]>,
-    view: Option<[Bits; 3]>,
-    up: [Bits; 3],
-    viewport: [Bits; 2],
-    distance: Bits,
+    eye: [Digits; 3],
+    at: Option<[Digits; 3]>,
+    view: Option<[Digits; 3]>,
+    up: [Digits; 3],
+    viewport: [Digits; 2],
+    distance: Digits,
     size: [u32; 2],
-    spheres: Vec<[Bits; 4]>,
+    spheres: Vec<[Digits; 4]>,
     pixels: Vec<Pixel>,
     #[serde(default)]
     lights: Vec<Lamp>,
     /// Of balls.json: centre and radius of a light.
-    ball: Option<[Bits; 4]>,
+    ball: Option<[Digits; 4]>,
 }
 
 /// A light of lights.json.
 #[derive(Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Lamp {
-    Direction([Bits; 3]),
-    Position([Bits; 3]),
+    Direction([Digits; 3]),
+    Position([Digits; 3]),
 }
 
 #[derive(Deserialize)]
@@ -77,7 +83,7 @@ struct Answer {
     position: [String; 3],
 }
 
-fn vector(a: &[Bits; 3]) -> [f64; 3] {
+fn vector(a: &[Digits; 3]) -> [f64; 3] {
     a.each_ref().map(|x| x.0)
 }
 

@@ -81,6 +81,11 @@ impl LightOutputs {
 }
 
 impl LightingContext<'_> {
+    /// The viewing rays, among the planes that cut spheres.
+    pub(super) fn picture_rays(&self) -> PictureRays<'_> {
+        PictureRays::among(self.view, self.cuts.as_ref().map(|cuts| cuts.planes.clone()))
+    }
+
     /// The hit point of the viewing ray of row `i` and column `j`, in the finer frame of its samples.
     pub(super) fn point(&self, [i, j]: [u32; 2], id: u32) -> SurfacePoint {
         let sphere = NumberedBall { id, ball: self.scene.spheres.ball(id) };

@@ -1,6 +1,5 @@
 //! Rays toward the sky from the hits of a view, all of one direction at once.
 
-use super::super::hidden::HitCuts;
 use super::lighting::LightingContext;
 use crate::answers::light::Traced;
 use crate::certify::given::EPS;
@@ -12,7 +11,7 @@ use crate::search::tree::sixteen::{Sixteen, Work16, dispatch};
 use crate::search::tree::streams::{Blockers, Chosen, ERROR, Ends, Hidden, MOST_RAYS, NO_END, Starts, Stream};
 use crate::view::RayKind;
 use crate::view::directions::PixelSample;
-use crate::view::picture_rays::{PictureHits, PictureRays, ShownBalls};
+use crate::view::picture_rays::{PictureHits, ShownBalls};
 use crate::view::placement::Placement;
 use crate::view::planes::EyePlane;
 use crate::view::ray::NONE;
@@ -289,9 +288,11 @@ impl Batch<'_> {
     fn hits(&self, undecided: &dyn Fn(u32)) -> Hits {
         let Self { lighting, ids, pixels, .. } = *self;
         let (record, spheres, placement) = (&lighting.view.record, &lighting.scene.spheres, &lighting.tree.placement);
-        let rays = PictureRays::new(lighting.view, lighting.scene.spheres.cuts.as_ref());
+        let rays = lighting.picture_rays();
         let mut hits = Hits::default();
         let cuts = lighting.cuts.as_ref();
+        let planes = cuts.iter().flat_map(|cuts| cuts.planes.iter());
+        let planes: Vec<PlaneFromMiddle> = planes.map(|plane| PlaneFromMiddle::of(plane, placement)).collect();
         for some in pixels.chunks(LANES) {
             let shown = ShownBalls::of_some(record, some, ids, spheres);
             let PictureHits { normal, outside, near, sharp, face, .. } = rays.hits(&shown);
@@ -308,7 +309,7 @@ impl Batch<'_> {
                 let is_left = cuts.is_some_and(|cuts| match cuts.spared {
                     // The start of a face is not known here.
                     Some(_) if face[l] => true,
-                    Some(_) => cuts.cuts.is_spared(id) && !cuts.keep(placement, start),
+                    Some(_) => cuts.cuts.is_spared(id) && !planes.iter().all(|plane| plane.keeps(start)),
                     None => false,
                 });
                 if outside[l] & near[l] & sharp[l] == 0 || is_left {
@@ -331,11 +332,10 @@ impl Batch<'_> {
         let whole = hits.pixels.len().next_multiple_of(SIXTEEN);
         hits.normals.iter_mut().for_each(|normals| normals.resize(whole, 0.0));
         let [x, y, z] = &hits.starts.at;
-        for plane in cuts.iter().flat_map(|cuts| cuts.planes.iter()) {
-            let PlaneFromMiddle { normal, gap, error } = PlaneFromMiddle::of(plane, placement);
-            let gaps = (0..x.len()).map(|n| gap - normal.dot(DVec3::new(x[n], y[n], z[n]))).collect();
-            hits.planes.push(PlaneGaps { normal, gaps, error });
-        }
+        hits.planes.extend(planes.into_iter().map(|plane| {
+            let gaps = (0..x.len()).map(|n| plane.gap_at([x[n], y[n], z[n]])).collect();
+            PlaneGaps { normal: plane.normal, gaps, error: plane.error }
+        }));
         hits
     }
 }
@@ -357,14 +357,14 @@ impl PlaneFromMiddle {
             error: error + 8.0 * EPS * gap.abs() + START * plane.length,
         }
     }
-}
 
-impl HitCuts<'_> {
-    /// Whether all planes certainly keep a start.
-    fn keep(&self, placement: &Placement, start: [f64; 3]) -> bool {
-        self.planes.iter().all(|plane| {
-            let PlaneFromMiddle { normal, gap, error } = PlaneFromMiddle::of(plane, placement);
-            gap - normal.dot(DVec3::from_array(start)) > error
-        })
+    /// Its distance from a start.
+    fn gap_at(&self, start: [f64; 3]) -> f64 {
+        self.gap - self.normal.dot(DVec3::from_array(start))
+    }
+
+    /// Whether it certainly keeps a start.
+    fn keeps(&self, start: [f64; 3]) -> bool {
+        self.gap_at(start) > self.error
     }
 }

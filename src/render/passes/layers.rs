@@ -119,7 +119,7 @@ pub(super) fn light_through(at: &mut Rendering<'_>, plan: &Plan, opaque: &Opaque
         // Opaque spheres, and translucent ones behind the first, may lie inside of translucent ones.
         return LightSetup { from_first: false, by_host, ..all_spheres(at, plan) };
     };
-    let (blockers, spared) = match at.time("tree", |_| of_cuts(&scene.spheres, opaque.ids())) {
+    let (blockers, spared) = match at.time("tree", |_| of_cuts(&scene.spheres, opaque.ids().iter().copied())) {
         Some((others, spared)) => (Some(others), Some(spared)),
         None => (tree.clone(), None),
     };

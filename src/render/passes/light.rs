@@ -12,7 +12,7 @@ use crate::render::plan::Plan;
 use crate::render::plan::lights::{bounces, light_points};
 use crate::render::rendering::{Pass, Rendering};
 use crate::render::setup::FrameSetup;
-use crate::scene::{Gradient, Light, LightSource, Scene, Sky, SkyLight, Spheres};
+use crate::scene::{Gradient, Light, LightSource, SPARED, Scene, Sky, SkyLight, Spheres};
 use crate::search::tree::Tree;
 use crate::search::tree::device_rays::DirectionRecord;
 use crate::settings::{Accuracy, Settings};
@@ -210,16 +210,14 @@ pub(super) fn all_spheres(at: &mut Rendering<'_>, plan: &Plan) -> LightSetup {
     let tree = log.time("tree", || renderer.order.tree(&scene.spheres, renderer.frames));
     // A device holds the hits of the viewing rays of a plane.
     let by_host = plan.given.as_ref().map(|_| "its viewing rays are those of a curved lens");
-    let all: Vec<u32> =
-        if scene.spheres.cuts.is_some() { (0..scene.spheres.len() as u32).collect() } else { Vec::new() };
-    let (blockers, spared) = log.time("tree", || of_cuts(&scene.spheres, &all)).unzip();
+    let (blockers, spared) = log.time("tree", || of_cuts(&scene.spheres, 0..scene.spheres.len() as u32)).unzip();
     LightSetup { tree, blockers, spared, accuracy: plan.accuracy, from_first: true, by_host }
 }
 
 /// The tree over those of these spheres that planes do not spare, and that over the others; `None` where they spare none.
-pub(super) fn of_cuts(spheres: &Spheres, ids: &[u32]) -> Option<(Arc<Tree>, Arc<Tree>)> {
-    let cuts = spheres.cuts.as_ref()?;
-    let (spared, others): (Vec<u32>, Vec<u32>) = ids.iter().partition(|id| cuts.is_spared(**id));
+pub(super) fn of_cuts(spheres: &Spheres, ids: impl Iterator<Item = u32>) -> Option<(Arc<Tree>, Arc<Tree>)> {
+    let cuts = spheres.cuts.as_ref().filter(|cuts| cuts.count(SPARED) > 0)?;
+    let (spared, others): (Vec<u32>, Vec<u32>) = ids.partition(|id| cuts.is_spared(*id));
     let tree = |ids: &[u32]| Tree::of_some(&spheres.centers, &spheres.radii, ids).map(Arc::new);
     if spared.is_empty() { None } else { tree(&others).zip(tree(&spared)) }
 }
