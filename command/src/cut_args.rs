@@ -32,9 +32,9 @@ pub(super) struct CutArgs {
 }
 
 impl CutArgs {
-    /// Whether some plane is given, or spheres that planes may cut.
+    /// Whether some option of cuts is given.
     pub(super) fn is_given(&self) -> bool {
-        !(self.cut.is_empty() && self.cut_slab.is_empty() && self.cut_at.is_empty()) || self.cut_only.is_some()
+        !(self.cut.is_empty() && self.cut_slab.is_empty() && self.cut_color.is_empty()) || self.selects()
     }
 
     /// Whether spheres are selected by their columns.
