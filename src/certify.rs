@@ -16,6 +16,7 @@ pub(crate) mod given;
 pub(crate) mod grouped;
 pub(crate) mod placing;
 mod placing_record;
+pub(crate) mod planes;
 pub(crate) mod projected;
 mod projection;
 mod records;
@@ -33,6 +34,7 @@ use binned::BinnedScene;
 use constants::VANISH;
 use general::{General, general_answer, general_low};
 use general_lists::GeneralLists;
+use planes::PlaneRecords;
 use projected::{Projected, projected_answer, projected_low};
 use std::ops::Range;
 use tiles::Lists;
@@ -51,13 +53,15 @@ pub(crate) struct Certify<'a, R> {
     pub(crate) generals: Vec<General<R>>,
     pub(crate) general_lists: &'a GeneralLists,
     pub(crate) terms: &'a Terms,
+    /// The planes that cut spheres.
+    pub(crate) planes: Option<&'a PlaneRecords>,
 }
 
 impl<'a, R: Number> Certify<'a, R> {
     pub(crate) fn new(view: &'a ViewRecord, binned: &'a BinnedScene) -> Self {
         let generals = binned.generals.iter().map(General::new).collect();
-        let BinnedScene { projection, lists, general_lists, .. } = binned;
-        Self { view, projection, lists, generals, general_lists, terms: &TERMS }
+        let BinnedScene { projection, lists, general_lists, planes, .. } = binned;
+        Self { view, projection, lists, generals, general_lists, terms: &TERMS, planes: planes.as_ref() }
     }
 }
 
@@ -103,7 +107,9 @@ impl<R: Number> Certify<'_, R> {
         self.view.pixel_of([s.row, s.column].map(|n| n as u32))
     }
 
-    fn projected(&self, entry: usize) -> Projected<R> {
+    /// The sphere of a list entry.
+    #[inline(always)]
+    pub(crate) fn projected(&self, entry: usize) -> Projected<R> {
         Projected::new(&self.lists.projected[entry], &self.lists.details[entry])
     }
 
@@ -135,6 +141,12 @@ impl<R: Number> Certify<'_, R> {
     #[inline(always)]
     pub(crate) fn center_depth(&self, slot: u32) -> f64 {
         if slot & GENERAL != 0 { 0.0 } else { self.lists.depths[slot as usize] }
+    }
+
+    /// The depth in the frame's unit to which depths of lists, and of planes, are relative.
+    #[inline(always)]
+    pub(crate) fn reference(&self) -> f64 {
+        self.projection.depth.into()
     }
 
     /// The id of the sphere in a slot.

@@ -208,14 +208,17 @@ impl Nearest<'_> {
         while let Some(foremost) = open.first() {
             let answer = self.twin.answer(&slopes, foremost.slot);
             let second = open.get(1).map_or(f32::MAX, |one| one.low);
-            if self.twin.certain(&answer, [foremost.low, second]) {
+            // The answer is that of a whole sphere.
+            let is_cut = self.peeling.scene.spheres.is_cut(foremost.id);
+            if !is_cut && self.twin.certain(&answer, [foremost.low, second]) {
                 return Some(foremost.id);
             }
-            let limit = if answer.hits { answer.high + VANISH } else { second };
+            let hits = answer.hits && !is_cut;
+            let limit = if hits { answer.high + VANISH } else { second };
             let count = open.iter().take_while(|one| one.low <= limit).count().max(1);
             match self.judged([row, column], &open[..count]) {
                 // A hit behind other lower bounds is not known to be the nearest.
-                Some(_) if !answer.hits && count < open.len() => return self.judged([row, column], open),
+                Some(_) if !hits && count < open.len() => return self.judged([row, column], open),
                 Some(id) => return Some(id),
                 None => drop(open.drain(..count)),
             }

@@ -6,6 +6,7 @@ use super::entry::Bin;
 use super::general::GeneralRecord;
 use super::general_lists::{GeneralLists, GeneralTree};
 use super::grouped::{Grouped, GroupedBins};
+use super::planes::PlaneRecords;
 use super::projection::cover::Coverage;
 pub(crate) use super::projection::cover::Through;
 use super::projection::project::LaneBatch;
@@ -33,6 +34,8 @@ pub(crate) struct BinnedScene {
     pub(crate) general_lists: GeneralLists,
     /// Projected spheres that some ray may hit.
     pub(crate) projected_count: u64,
+    /// The planes that cut spheres, as rays pass them.
+    pub(crate) planes: Option<PlaneRecords>,
 }
 
 impl BinnedScene {
@@ -146,7 +149,7 @@ impl Binning<'_> {
         reference: f32,
     ) -> BinnedScene {
         let Self { scene, view, tolerance, level, through, pool, .. } = *self;
-        let SphereBins { bins, mut generals, projected_count, entries, .. } = bins;
+        let SphereBins { bins, mut generals, projected_count, entries, range } = bins;
         let cuts = scene.spheres.cuts.as_ref();
         // A cut sphere is hit at any depth from 0, or not at all.
         for general in generals.iter_mut().filter(|general| cuts.is_some_and(|cuts| cuts.is_cut(general.id))) {
@@ -154,10 +157,10 @@ impl Binning<'_> {
         }
         let size = [scene.image.width, scene.image.height];
         let record = projection.record(reference, tolerance, generals.len());
-        let reference = reference.into();
         let margin = host_cull_margin(tolerance);
-        let coverage = Coverage::new(projection, size, reference, margin, projection.per_pixel);
-        let mut maker = RecordMaker { projection, order, coverage, through, reference, cuts, ready: Vec::new() };
+        let coverage = Coverage::new(projection, size, reference.into(), margin, projection.per_pixel);
+        let ready = Vec::new();
+        let mut maker = RecordMaker { projection, order, coverage, through, reference: reference.into(), cuts, ready };
         if entries >= PROJECTION_MIN_LISTS * bins.len() as u64 {
             maker.project_all(pool);
         }
@@ -168,7 +171,10 @@ impl Binning<'_> {
         let margin = if through.is_none() && cuts.is_none() { margin } else { f64::INFINITY };
         let near = GeneralTree::new(projection, &generals, size, margin);
         let general_lists = near.lists(view.record.tiles(), level);
-        BinnedScene { projection: record, lists, generals, general_lists, projected_count }
+        let deepest = range.map_or(0.0, |[_, deepest]| deepest);
+        let planes =
+            cuts.map(|cuts| PlaneRecords::new((&scene.spheres, cuts), view, projection, (&lists, reference, deepest)));
+        BinnedScene { projection: record, lists, generals, general_lists, projected_count, planes }
     }
 }
 

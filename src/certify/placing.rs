@@ -121,7 +121,7 @@ impl Placer {
         let projection = self.projection.record(reference, self.tolerance, generals.len());
         let lists = Lists::of_tiles(tiles, &[]);
         ByHost {
-            binned: BinnedScene { projection, lists, generals, general_lists, projected_count: 0 },
+            binned: BinnedScene { projection, lists, generals, general_lists, projected_count: 0, planes: None },
             guests,
             reference,
         }

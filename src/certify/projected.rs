@@ -4,9 +4,9 @@
 use super::answer::{Answer, ProjectionRecord, Slopes};
 #[cfg(test)]
 use super::constants::SURFACE;
-use super::constants::{DEPTH, INFLATE, NORMAL, TURN, UNIT, VANISH};
+use super::constants::{BEYOND, DEPTH, INFLATE, NORMAL, TURN, UNIT, VANISH};
 use super::terms::Terms;
-use crate::number::Number;
+use crate::number::{Mask, Number};
 use crate::view::ray::{positive, unit3};
 use bytemuck::{Pod, Zeroable};
 
@@ -110,16 +110,39 @@ pub(super) fn projected_weigh<R: Number>(
     Weighed { o: [dx, dy], o2, slant2, disc, error }
 }
 
-/// The answer for the winner, with its bounds.
+/// Both roots of a ray, by depths relative to the reference, with bounds.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Roots<R> {
+    pub(crate) near: [R; 2],
+    pub(crate) far: [R; 2],
+    /// The ray certainly hits, and in front of the eye; or it certainly misses.
+    pub(crate) hits: bool,
+    pub(crate) misses: bool,
+}
+
+/// The near root, and the numbers that its bounds are made of.
+struct Solved<R> {
+    weighed: Weighed<R>,
+    root: R,
+    /// Bounds of the root of the discriminant.
+    most: R,
+    least: R,
+    /// The slope along the offset; it and the largest root.
+    along: R,
+    total: R,
+    /// The depth of a unit of the roots; the error in that unit, and of a depth.
+    length: R,
+    mixed: R,
+    blur: R,
+    low: R,
+    hits: bool,
+}
+
 #[inline(always)]
-pub(crate) fn projected_answer<R: Number>(
-    s: &Slopes<R>,
-    projection: &ProjectionRecord,
-    f: &Projected<R>,
-    terms: &Terms,
-) -> Answer<R> {
+fn solved<R: Number>(s: &Slopes<R>, projection: &ProjectionRecord, f: &Projected<R>, terms: &Terms) -> Solved<R> {
     let c = R::from_f32;
-    let Weighed { o: [dx, dy], o2, slant2, disc, error } = projected_weigh(s, projection, f, terms);
+    let weighed = projected_weigh(s, projection, f, terms);
+    let Weighed { o: [dx, dy], slant2, disc, error, .. } = weighed;
     let slant = slant2.sqrt();
     let e = c(projection.edge);
     let hits = disc > error;
@@ -135,13 +158,48 @@ pub(crate) fn projected_answer<R: Number>(
     let mixed = c(UNIT) * ((whole + each * slant2) * total + of_along * steep + of_root * most) + slant * e;
     let blur = (mixed * length + c(UNIT) * of_center * f.center.abs()) * c(INFLATE) + c(DEPTH) * depth;
     let low = f.center - (along + most) * length - blur;
-    let high = f.center - (along + least) * length + blur;
-    let k = (along + root) * s.inverse;
-    let normal = unit3([dx - k * s.x, dy - k * s.y, k]);
-    let off = s.a.sqrt() * (mixed + (most - least)) * s.inverse + c(UNIT) * c(TURN) * (total + o2.sqrt()) + e;
     // A root that is not certainly in front of the eye is not certainly the hit. & instead of &&: there is nothing to
     // skip, and compilers can vectorize it.
     let hits = hits & (c(projection.depth) + low > c(VANISH));
+    Solved { weighed, root, most, least, along, total, length, mixed, blur, low, hits }
+}
+
+/// The roots of the sphere, of which planes may leave either.
+#[inline(always)]
+pub(crate) fn projected_roots<R: Number>(
+    s: &Slopes<R>,
+    projection: &ProjectionRecord,
+    f: &Projected<R>,
+    terms: &Terms,
+) -> Roots<R> {
+    let c = R::from_f32;
+    let Solved { weighed, most, least, along, length, blur, low, hits, .. } = solved(s, projection, f, terms);
+    let high = f.center - (along + least) * length + blur;
+    let far = [f.center - (along - least) * length - blur, f.center - (along - most) * length + blur];
+    // Under parallel projection, a sphere that may intersect the eye plane has no depth.
+    let has_depth = c(projection.depth) + f.center > R::ZERO;
+    let far = [far[0], has_depth.pick(far[1], c(BEYOND))];
+    Roots { near: [low, high], far, hits, misses: weighed.disc < -weighed.error }
+}
+
+/// The answer for the winner, with its bounds.
+#[inline(always)]
+pub(crate) fn projected_answer<R: Number>(
+    s: &Slopes<R>,
+    projection: &ProjectionRecord,
+    f: &Projected<R>,
+    terms: &Terms,
+) -> Answer<R> {
+    let c = R::from_f32;
+    let Solved { weighed, root, most, least, along, total, length, mixed, blur, low, hits } =
+        solved(s, projection, f, terms);
+    let Weighed { o: [dx, dy], o2, .. } = weighed;
+    let high = f.center - (along + least) * length + blur;
+    let k = (along + root) * s.inverse;
+    let normal = unit3([dx - k * s.x, dy - k * s.y, k]);
+    let off = s.a.sqrt() * (mixed + (most - least)) * s.inverse
+        + c(UNIT) * c(TURN) * (total + o2.sqrt())
+        + c(projection.edge);
     let sure = hits & (off < c(NORMAL) * f.rho);
     let depth_interval = (high - low + blur) * c(INFLATE);
     Answer {

@@ -123,7 +123,7 @@ pub(super) struct ProjectionBounds {
     /// 1 / (2 slope): pixels per unit of slope.
     per_slope: [f64; 2],
     /// Largest slopes of the image.
-    edge: [f64; 2],
+    pub(super) edge: [f64; 2],
     /// Pixel distance beyond which a projected centre has no fixed-point form, or differences to it are inexact.
     farthest: f64,
     /// 1 / unit; 1 / step, rounded up.

@@ -4,7 +4,7 @@ use super::entry::Placed;
 use super::grouped::Grouped;
 use super::projection::ProjectionBounds;
 use super::projection::cover::{Cover, Coverage, Through};
-use super::projection::project::{LaneBatch, NEVER};
+use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
 use crate::number::vector::LANES;
 use crate::scene::{Cuts, NumberedBall, Spheres};
@@ -65,9 +65,6 @@ pub(super) struct RecordMaker<'a> {
     pub(super) ready: Vec<Placed>,
 }
 
-/// An offset in pixels beyond every image, with a square in range.
-const OFF_IMAGE: f32 = (1u64 << 50) as f32;
-
 /// Spheres that one job projects.
 pub(super) const SPHERES_PER_JOB: usize = 1 << 14;
 
@@ -98,12 +95,6 @@ impl RecordMaker<'_> {
                 *placed = eight.placed(l, ids[l]);
             } else if let Staged::Projected(landed) = projection.stage(ids[l], centers[l], radii[l], reference) {
                 *placed = landed.placed;
-            }
-        }
-        if let Some(cuts) = self.cuts {
-            for placed in to.iter_mut().filter(|placed| cuts.is_cut(placed.detail.id)) {
-                // Beside every ray, so that no hit is certain; and behind everything, so that it hides nothing.
-                (placed.detail.subpixel_offset, placed.detail.center) = ([OFF_IMAGE; 2], NEVER as f32);
             }
         }
     }
@@ -170,9 +161,11 @@ impl ListRecords<'_> {
             to.iter_mut().zip(&self.numbers[chunk * CHUNK..]).for_each(|(placed, n)| *placed = ready[*n as usize]);
         }
         if let Some(cover) = &mut self.cover {
+            // A cut sphere hides nothing.
+            let hiding = to.iter().filter(|placed| self.maker.cuts.is_none_or(|cuts| !cuts.is_cut(placed.detail.id)));
             match self.maker.through {
-                None => to.iter().for_each(|placed| cover.add(placed)),
-                Some(Through { opacities, layers }) => to.iter().for_each(|placed| {
+                None => hiding.for_each(|placed| cover.add(placed)),
+                Some(Through { opacities, layers }) => hiding.for_each(|placed| {
                     let is_opaque = opacities[placed.detail.id as usize] == 1.0;
                     if is_opaque { cover.add(placed) } else { cover.add_layer(placed, layers) }
                 }),

@@ -17,6 +17,7 @@ mod given;
 mod given_device;
 mod host;
 mod mirrors;
+mod planes;
 mod predicted;
 mod sabotage;
 mod shots;

@@ -2,6 +2,7 @@
 //! vectorize for the widest vectors of the processor. Vector and scalar operations round alike, so the bits equal the
 //! device's.
 
+mod cut;
 mod pixels;
 mod strip;
 pub(super) mod triples;
@@ -16,6 +17,7 @@ use crate::number::vector::WIDE;
 use crate::tile::TILE;
 use crate::view::View;
 use crate::view::ray::NONE;
+use cut::{CutStrip, Solids, Whole};
 use halfline_ground::parallel;
 use pixels::{Band, Pixels, StripFrame};
 use pulp::NullaryFnOnce;
@@ -23,18 +25,18 @@ use strip::{NearestTwos, NonePassed, Strip};
 use triples::{Portable, Triples};
 
 /// Fills `raw` with certified answers; a pixel without a proof gets [`UNSURE`](crate::view::ray::UNSURE) as id, or its nearest candidate, as
-/// the kernel says. `passed` has the hits before, if any: layers of one sphere a pixel, which its ray passes through; a pixel whose last is
+/// the kernel says. The colours are those of spheres, and of faces on planes where these are others. `passed` has the hits before, if any: layers of one sphere a pixel, which its ray passes through; a pixel whose last is
 /// [`NONE`] may be left out, as a miss. `go_on` is called before every row.
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
     binned: &BinnedScene,
-    colors: Option<&[[f32; 3]]>,
+    [colors, faces]: [Option<&[[f32; 3]]>; 2],
     passed: &[&[u32]],
     raw: &mut Raw,
     go_on: &(dyn Fn() -> bool + Sync),
 ) {
-    let frame = StripFrame { certify: Certify::new(&view.record, binned), kernel, colors, passed };
+    let frame = StripFrame { certify: Certify::new(&view.record, binned), kernel, colors, faces, passed };
     // Strips are as wide as the processor's vectors.
     match pulp::Arch::new() {
         #[cfg(target_arch = "x86_64")]
@@ -87,13 +89,28 @@ impl<const N: usize, T: Triples> NullaryFnOnce for Strips<'_, '_, N, T> {
         for tile in left..=right {
             let place = [i, tile * TILE];
             let strip = Strip::<N>::new(&frame.certify, place);
-            let two = match frame.passed {
-                [] => strip.nearest_two(&frame.certify, place, &NonePassed),
-                layers => nearest_behind(frame, &strip, place, layers),
+            let pixels = match frame.certify.planes {
+                None => pixels(frame, &strip, place, &mut Whole),
+                Some(planes) => pixels(frame, &strip, place, &mut CutStrip::new(planes)),
             };
-            Pixels::new(frame, &strip, &two).write(&mut band, place, &triples);
+            pixels.write(&mut band, place, &triples);
         }
     }
+}
+
+/// The pixels of a strip among these solids.
+#[inline(always)]
+fn pixels<const N: usize>(
+    frame: &StripFrame<'_>,
+    strip: &Strip<N>,
+    place: [u32; 2],
+    solids: &mut impl Solids<N>,
+) -> Pixels<N> {
+    let two = match frame.passed {
+        [] => strip.nearest_two(&frame.certify, place, &NonePassed, solids),
+        layers => nearest_behind(frame, strip, place, (layers, solids)),
+    };
+    Pixels::new(frame, strip, &two, solids)
 }
 
 /// The nearest hits behind those of some layers, at least one; of a strip without any in the last, misses.
@@ -102,7 +119,7 @@ fn nearest_behind<const N: usize>(
     frame: &StripFrame<'_>,
     strip: &Strip<N>,
     place: [u32; 2],
-    layers: &[&[u32]],
+    (layers, solids): (&[&[u32]], &mut impl Solids<N>),
 ) -> NearestTwos<N> {
     let record = frame.certify.view;
     let [rows, columns] = [(record.first_row, record.rows), (record.first_column, record.columns)];
@@ -122,7 +139,7 @@ fn nearest_behind<const N: usize>(
         return NearestTwos::NONE;
     }
     let passed: Vec<[u32; N]> = layers.iter().map(of).collect();
-    strip.nearest_two(&frame.certify, place, &&passed[..])
+    strip.nearest_two(&frame.certify, place, &&passed[..], solids)
 }
 
 #[cfg(test)]
@@ -131,7 +148,7 @@ mod tests {
     use crate::certify::Answer;
     use crate::certify::binned::Binning;
     use crate::kernel::Certificate;
-    use crate::scene::Scene;
+    use crate::scene::{CutPlane, Scene};
     use crate::settings::Settings;
     use crate::view::raster::Raster;
     use crate::window::Window;
@@ -164,7 +181,7 @@ mod tests {
             let rows = (0..77).step_by(N / TILE as usize);
             for (i, first) in rows.flat_map(|i| (0..136).step_by(TILE as usize).map(move |first| (i, first))) {
                 let strip = Strip::<N>::new(&certify, [i, first]);
-                let two = strip.nearest_two(&certify, [i, first], &NonePassed);
+                let two = strip.nearest_two(&certify, [i, first], &NonePassed, &mut Whole);
                 let answers = strip.certify_winners(&certify, &two);
                 for l in 0..N {
                     let [row, column] = view.record.sample_position(i + l as u32 / TILE, first + l as u32 % TILE);
@@ -190,7 +207,15 @@ mod tests {
     /// vectors.
     #[test]
     fn strips_of_every_width_write_the_same_bits() {
-        let scene = crate::testing::weekend([136, 77]);
+        let whole = crate::testing::weekend([136, 77]);
+        let plane = CutPlane { normal: [0.01, 1.0, 0.0], distance: 0.25 };
+        let mut cut = whole.clone();
+        cut.spheres.cut(&[plane], None).expect("a plane");
+        assert!(cut.spheres.cuts.is_some(), "the plane cuts some");
+        [whole, cut].iter().for_each(same_by_every_width);
+    }
+
+    fn same_by_every_width(scene: &Scene) {
         let kernel = Kernel {
             t: true,
             normal: true,
@@ -203,12 +228,17 @@ mod tests {
             Window { x0: 70, y0: 40, x1: 75, y1: 41 },
         ];
         for window in windows {
-            let view = View::for_rays(&scene, Raster::centres(window), kernel.records()).expect("a view");
+            let view = View::for_rays(scene, Raster::centres(window), kernel.records()).expect("a view");
             let pool = Pool::default();
             let binned =
-                BinnedScene::new(&Binning::of(&scene, &view, 1e-5, &pool)).expect("a stage").expect("a projection");
-            let frame =
-                StripFrame { certify: Certify::new(&view.record, &binned), kernel: &kernel, colors: None, passed: &[] };
+                BinnedScene::new(&Binning::of(scene, &view, 1e-5, &pool)).expect("a stage").expect("a projection");
+            let frame = StripFrame {
+                certify: Certify::new(&view.record, &binned),
+                kernel: &kernel,
+                colors: None,
+                faces: None,
+                passed: &[],
+            };
             let raw = |render: &dyn Fn(&mut Raw)| {
                 let mut raw = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
                 render(&mut raw);
@@ -218,7 +248,7 @@ mod tests {
             assert!(narrow.id.iter().any(|id| *id < 500), "the window shows something");
             assert!(narrow == raw(&|raw| each_strip::<WIDE>(&frame, Portable, raw, &|| true)));
             assert!(
-                narrow == raw(&|raw| certified(&kernel, &view, &binned, None, &[], raw, &|| true)),
+                narrow == raw(&|raw| certified(&kernel, &view, &binned, [None; 2], &[], raw, &|| true)),
                 "with the processor's vectors"
             );
         }

@@ -49,6 +49,7 @@ impl Staged {
             generals: Vec::new(),
             general_lists: &binned.general_lists,
             terms,
+            planes: None,
         };
         let s = twin.slopes(self.pixel[0], self.pixel[1]);
         let over = |error: f64, bound: R| error.abs() / bound.value();

@@ -38,7 +38,7 @@ pub(super) struct Case {
 pub(super) struct Judged {
     pub(super) at: [u32; 2],
     nearest: Option<Truth>,
-    each: Vec<Option<Truth>>,
+    pub(super) each: Vec<Option<Truth>>,
 }
 
 impl Case {
@@ -79,8 +79,9 @@ impl Case {
         f: impl FnOnce(&Certify<'_, R>) -> T,
     ) -> T {
         let generals: Vec<_> = binned.generals.iter().map(General::new).collect();
-        let BinnedScene { projection, lists, general_lists, .. } = binned;
-        f(&Certify { view: &self.view.record, projection, lists, generals, general_lists, terms })
+        let BinnedScene { projection, lists, general_lists, planes, .. } = binned;
+        let (view, planes) = (&self.view.record, planes.as_ref());
+        f(&Certify { view, projection, lists, generals, general_lists, terms, planes })
     }
 
     /// Depth in the frame's unit, relative to the reference depth.
@@ -90,7 +91,7 @@ impl Case {
 
     /// The possible error of the judge's rounding, in the frame's unit: one or two ulps of f64, also of subnormal
     /// numbers, and flushed subnormals of f32.
-    fn spare(&self, truth: &Truth) -> f64 {
+    pub(super) fn spare(&self, truth: &Truth) -> f64 {
         let steps = f64::EPSILON * truth.depth + f64::from_bits(4);
         dd::ldexp(steps, -self.view.unit) + f64::from(f32::MIN_POSITIVE)
     }

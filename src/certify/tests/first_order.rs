@@ -101,6 +101,7 @@ impl OrderedShot<'_> {
             generals: vec![],
             general_lists: &binned.general_lists,
             terms: self.terms,
+            planes: None,
         };
         let s = twin.slopes(*i, *j);
         let mut given = Given::default();

@@ -189,6 +189,7 @@ fn the_bounds_of_a_cell_hold_for_its_rays_however_the_device_rounds() {
                 generals: Vec::new(),
                 general_lists: twin.general_lists,
                 terms: twin.terms,
+                planes: None,
             }
             .slopes(pixel[0], pixel[1]);
             for level in 0..5 {

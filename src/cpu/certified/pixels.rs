@@ -3,6 +3,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
+use super::cut::Solids;
 use super::strip::{NearestTwos, Strip, StripAnswers};
 use super::triples::Triples;
 use crate::answers::raw::Piece;
@@ -21,6 +22,8 @@ pub(super) struct StripFrame<'a> {
     pub(super) certify: Certify<'a, f32>,
     pub(super) kernel: &'a Kernel,
     pub(super) colors: Option<&'a [[f32; 3]]>,
+    /// The colours of faces on planes.
+    pub(super) faces: Option<&'a [[f32; 3]]>,
     pub(super) passed: &'a [&'a [u32]],
 }
 
@@ -44,26 +47,29 @@ impl<const N: usize> Pixels<N> {
         color: [[0.0; N]; 3],
     };
 
-    /// The pixels of a strip for which the search has ended with `two`.
+    /// The pixels of a strip for which the search has ended with `two`, among `solids`.
     #[inline(always)]
-    pub(super) fn new(frame: &StripFrame<'_>, strip: &Strip<N>, two: &NearestTwos<N>) -> Self {
+    pub(super) fn new(frame: &StripFrame<'_>, strip: &Strip<N>, two: &NearestTwos<N>, solids: &impl Solids<N>) -> Self {
         let [red, green, blue, _] = frame.certify.view.background;
         let mut pixels = Self { color: [[red; N], [green; N], [blue; N]], ..Self::NONE };
         if two.slot == NearestTwos::<N>::NONE.slot {
             return pixels;
         }
-        let answers = strip.certify_winners(&frame.certify, two);
+        let mut answers = strip.certify_winners(&frame.certify, two);
+        solids.certify(strip, &frame.certify, two, &mut answers);
         pixels.answer(frame, &answers, two);
         if frame.kernel.has_depths() {
             for l in 0..N {
-                pixels.depth[l] = frame.certify.center_depth(two.slot[l]);
+                let is_face = solids.on_face(l) != 0;
+                pixels.depth[l] =
+                    if is_face { frame.certify.reference() } else { frame.certify.center_depth(two.slot[l]) };
             }
         }
         if frame.kernel.normal {
             pixels.turn(frame.certify.view, &answers, two);
         }
         if let Some(shade) = frame.kernel.shade {
-            pixels.shade(frame, shade, strip, &answers, two);
+            pixels.shade(frame, shade, strip, &answers, (two, solids));
         }
         pixels
     }
@@ -108,14 +114,15 @@ impl<const N: usize> Pixels<N> {
         shade: Shade,
         strip: &Strip<N>,
         answers: &StripAnswers<N>,
-        two: &NearestTwos<N>,
+        (two, solids): (&NearestTwos<N>, &impl Solids<N>),
     ) {
         let mut own = DEFAULT_COLOR.map(|x| [x; N]);
-        if frame.colors.is_some() {
+        if frame.colors.is_some() || frame.faces.is_some() {
             for l in 0..N {
                 // That of a miss is not used.
                 let id = if answers.id[l] == NONE { 0 } else { answers.id[l] };
-                [own[0][l], own[1][l], own[2][l]] = color_of(frame.colors, id);
+                let colors = if solids.on_face(l) != 0 { frame.faces.or(frame.colors) } else { frame.colors };
+                [own[0][l], own[1][l], own[2][l]] = color_of(colors, id);
             }
         }
         let (slot, behind) = (two.slot, self.color);

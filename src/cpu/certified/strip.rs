@@ -2,6 +2,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
+use super::cut::Solids;
 use crate::certify::constants::BEYOND;
 use crate::certify::general::{general_answer, general_low};
 use crate::certify::projected::{Projected, ProjectedDetailRecord, ProjectedRecord, projected_answer, projected_low};
@@ -95,6 +96,7 @@ impl<const N: usize> Strip<N> {
         certify: &Certify<'_, f32>,
         [i, first]: [u32; 2],
         passed: &impl Passed<N>,
+        solids: &mut impl Solids<N>,
     ) -> NearestTwos<N> {
         let mut k = NearestTwos::NONE;
         let (projection, terms, lists) = (certify.projection, *certify.terms, certify.lists);
@@ -116,7 +118,8 @@ impl<const N: usize> Strip<N> {
         for (n, (chunk, &chunk_min_depth)) in chunks.enumerate() {
             let mut behind = true;
             for l in 0..N {
-                let own = chunk_min_depth - k.low[l] > projection.cull_margin * (projection.depth + k.low[l]);
+                let low = solids.least(l, k.low[l]);
+                let own = chunk_min_depth - low > projection.cull_margin * (projection.depth + low);
                 k.second[l] = pick(u32::all_if(own & (chunk_min_depth < k.second[l])), chunk_min_depth, k.second[l]);
                 behind &= own;
             }
@@ -129,6 +132,9 @@ impl<const N: usize> Strip<N> {
                 if *projected == NOTHING {
                     break;
                 }
+                if solids.take(self, certify, slot, passed, &mut now) {
+                    continue;
+                }
                 let sphere = Projected::<f32>::new(projected, &NO_DETAIL);
                 let passed = passed.lanes(|| lists.details[slot].id);
                 for l in 0..N {
@@ -138,6 +144,7 @@ impl<const N: usize> Strip<N> {
             }
             k = now;
         }
+        solids.end(&mut k);
         k
     }
 
@@ -227,7 +234,7 @@ impl<const N: usize> Default for StripAnswers<N> {
 
 impl<const N: usize> StripAnswers<N> {
     #[inline(always)]
-    fn set(&mut self, l: usize, a: &Answer<f32>, certain: bool) {
+    pub(super) fn set(&mut self, l: usize, a: &Answer<f32>, certain: bool) {
         self.id[l] = a.id;
         self.certain[l] = u32::all_if(certain);
         self.numbers[0][l] = a.offset;
@@ -258,7 +265,7 @@ impl<const N: usize> NearestTwos<N> {
     pub(super) const NONE: Self = Self { low: [BEYOND; N], second: [BEYOND; N], slot: [NONE; N] };
 
     #[inline(always)]
-    fn keep(&mut self, l: usize, low: f32, slot: u32) {
+    pub(super) fn keep(&mut self, l: usize, low: f32, slot: u32) {
         // Selects by masks and writes unconditionally: compilers may turn a comparison into a masked store, which
         // delays the loads that follow it.
         let before = self.low[l];

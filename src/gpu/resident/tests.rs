@@ -65,7 +65,7 @@ fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw,
     let (pool, kernel) = (Pool::default(), kernel(!view.record.is_plain()));
     let binned = BinnedScene::new(&Binning::of(scene, &view, TOLERANCE, &pool)).expect("a stage").expect("a lens");
     let mut host = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
-    cpu::certified(&kernel, &view, &binned, scene.spheres.colors.as_deref(), &[], &mut host, &|| true);
+    cpu::certified(&kernel, &view, &binned, [scene.spheres.colors.as_deref(), None], &[], &mut host, &|| true);
     // The depths of misses are of no sphere.
     for raw in [&mut device, &mut host] {
         let Raw { id, depth, .. } = raw;

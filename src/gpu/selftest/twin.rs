@@ -68,7 +68,7 @@ impl Gpu {
             let (mut device, mut host) = (Raw::new(&kernel, pixels, &pool)?, Raw::new(&kernel, pixels, &pool)?);
             if kernel.is_certified() {
                 let Some(frame) = self.resident(&scene, &kernel, &mut device)? else { continue };
-                cpu::certified(&kernel, &frame.view, &frame.binned, None, &[], &mut host, &|| true);
+                cpu::certified(&kernel, &frame.view, &frame.binned, [None; 2], &[], &mut host, &|| true);
             } else {
                 let view = View::new(&scene)?;
                 cpu::render(&kernel, &view, None, None, &mut host, &|| true);

@@ -23,7 +23,8 @@ impl Engine for Strips {
         let Rendering { renderer, log, .. } = &mut *at;
         let doing = renderer.watch.begin(Step::Trace, raw.id.len() as u64);
         let row = || doing.next(u64::from(view.record.columns));
-        let colors = scene.spheres.colors.as_deref();
+        let faces = scene.spheres.cuts.as_ref().and_then(|cuts| cuts.colors.as_deref());
+        let colors = [scene.spheres.colors.as_deref(), faces];
         log.time("trace", || cpu::certified(kernel, view, &self.binned, colors, &[], raw, &row));
         doing.end()?;
         settle(at, rays, &self.binned, raw).map(Found::Hits)
@@ -39,7 +40,7 @@ impl Engine for Strips {
         for _ in 0..layers.more {
             let passed: Vec<&[u32]> = once(layers.first).chain(found.iter().map(Vec::as_slice)).collect();
             let mut next = Raw::new(&kernel, pixels, &at.pool)?;
-            cpu::certified(&kernel, view, &self.binned, None, &passed, &mut next, &row);
+            cpu::certified(&kernel, view, &self.binned, [None; 2], &passed, &mut next, &row);
             undecided.extend(layers.end(passed[passed.len() - 1], &mut next.id));
             found.push(next.id);
         }

@@ -1,0 +1,216 @@
+//! The cut spheres of a strip: the part of each ray that planes keep, and the hits there, in loops over lanes.
+
+#![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
+
+use super::strip::{NearestTwos, Passed, Strip, StripAnswers};
+use crate::certify::constants::BEYOND;
+use crate::certify::planes::{CutLow, Kept, PlaneRecords};
+use crate::certify::projected::projected_roots;
+use crate::certify::{Certify, GENERAL};
+use crate::number::vector::{Bits, pick};
+use crate::view::ray::NONE;
+
+/// The spheres of a scene as planes leave them.
+pub(super) trait Solids<const N: usize> {
+    /// Takes the sphere of an entry if planes cut it: a hit at a root that is possible into the nearest two, a certain face here.
+    fn take(
+        &mut self,
+        strip: &Strip<N>,
+        certify: &Certify<'_, f32>,
+        slot: usize,
+        passed: &impl Passed<N>,
+        k: &mut NearestTwos<N>,
+    ) -> bool;
+
+    /// The least depth that a lane has found, with that of the nearest two.
+    fn least(&self, l: usize, low: f32) -> f32;
+
+    /// Takes the faces into the nearest two.
+    fn end(&mut self, k: &mut NearestTwos<N>);
+
+    /// Corrects the answers of the winners that planes cut.
+    fn certify(&self, strip: &Strip<N>, certify: &Certify<'_, f32>, k: &NearestTwos<N>, answers: &mut StripAnswers<N>);
+
+    /// All bits if the nearest hit of a lane is on a plane.
+    fn on_face(&self, l: usize) -> u32;
+}
+
+/// No plane cuts a sphere.
+pub(super) struct Whole;
+
+impl<const N: usize> Solids<N> for Whole {
+    #[inline(always)]
+    fn take(
+        &mut self,
+        _: &Strip<N>,
+        _: &Certify<'_, f32>,
+        _: usize,
+        _: &impl Passed<N>,
+        _: &mut NearestTwos<N>,
+    ) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn least(&self, _: usize, low: f32) -> f32 {
+        low
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _: &mut NearestTwos<N>) {}
+
+    #[inline(always)]
+    fn certify(&self, _: &Strip<N>, _: &Certify<'_, f32>, _: &NearestTwos<N>, _: &mut StripAnswers<N>) {}
+
+    #[inline(always)]
+    fn on_face(&self, _: usize) -> u32 {
+        0
+    }
+}
+
+/// Planes that cut spheres, as the rays of a strip pass them.
+pub(super) struct CutStrip<'a, const N: usize> {
+    planes: &'a PlaneRecords,
+    /// What the planes keep of the rays, once a sphere asks for it.
+    kept: Option<KeptParts<N>>,
+    /// Of the faces of each lane that are certain the rank and the entry of the one that shows.
+    rank: [u32; N],
+    slot: [u32; N],
+    /// All bits where the nearest hit is that face.
+    on_face: [u32; N],
+}
+
+/// [`Kept`] of each lane, one array per component; truth values as all bits and none.
+#[derive(Clone, Copy)]
+struct KeptParts<const N: usize> {
+    entry: [[f32; N]; 2],
+    exit: [[f32; N]; 2],
+    plane: [u32; N],
+    is_empty: [u32; N],
+    is_unknown: [u32; N],
+}
+
+impl<const N: usize> KeptParts<N> {
+    #[inline(always)]
+    fn new(strip: &Strip<N>, certify: &Certify<'_, f32>, planes: &PlaneRecords) -> Self {
+        let (projection, terms, of_frame) = (*certify.projection, *certify.terms, (planes.middle, planes.reach));
+        let mut all =
+            Self { entry: [[0.0; N]; 2], exit: [[0.0; N]; 2], plane: [0; N], is_empty: [0; N], is_unknown: [0; N] };
+        for l in 0..N {
+            all.set(l, &Kept::all(&projection));
+        }
+        for (index, plane) in (0..).zip(&planes.planes) {
+            let (plane, before) = (*plane, all);
+            for l in 0..N {
+                let kept = before.at(l).cut(&strip.slopes(l), (&plane, index), of_frame, (&projection, &terms));
+                all.set(l, &kept);
+            }
+        }
+        all
+    }
+
+    #[inline(always)]
+    fn at(&self, l: usize) -> Kept<f32> {
+        Kept {
+            entry: [self.entry[0][l], self.entry[1][l]],
+            exit: [self.exit[0][l], self.exit[1][l]],
+            plane: self.plane[l],
+            is_empty: self.is_empty[l] != 0,
+            is_unknown: self.is_unknown[l] != 0,
+        }
+    }
+
+    #[inline(always)]
+    fn set(&mut self, l: usize, kept: &Kept<f32>) {
+        ([self.entry[0][l], self.entry[1][l]], [self.exit[0][l], self.exit[1][l]]) = (kept.entry, kept.exit);
+        (self.plane[l], self.is_empty[l], self.is_unknown[l]) =
+            (kept.plane, u32::all_if(kept.is_empty), u32::all_if(kept.is_unknown));
+    }
+}
+
+impl<'a, const N: usize> CutStrip<'a, N> {
+    #[inline(always)]
+    pub(super) fn new(planes: &'a PlaneRecords) -> Self {
+        Self { planes, kept: None, rank: [u32::MAX; N], slot: [NONE; N], on_face: [0; N] }
+    }
+
+    /// The least depth of the face of a lane.
+    #[inline(always)]
+    fn face(&self, l: usize) -> f32 {
+        let entry = self.kept.as_ref().map_or(BEYOND, |kept| kept.entry[0][l]);
+        pick(u32::all_if(self.slot[l] == NONE), BEYOND, entry)
+    }
+}
+
+impl<const N: usize> Solids<N> for CutStrip<'_, N> {
+    #[inline(always)]
+    fn take(
+        &mut self,
+        strip: &Strip<N>,
+        certify: &Certify<'_, f32>,
+        slot: usize,
+        passed: &impl Passed<N>,
+        k: &mut NearestTwos<N>,
+    ) -> bool {
+        let rank = self.planes.ranks[slot];
+        if rank == 0 {
+            return false;
+        }
+        let (sphere, projection, terms) = (certify.projected(slot), *certify.projection, *certify.terms);
+        let passed = passed.lanes(|| sphere.id);
+        let (mut lows, mut faces) = ([0.0; N], [0; N]);
+        let kept = self.kept.get_or_insert_with(|| KeptParts::new(strip, certify, self.planes));
+        for l in 0..N {
+            let roots = projected_roots(&strip.slopes(l), &projection, &sphere, &terms);
+            let CutLow { low, at_face, .. } = CutLow::new(&kept.at(l), &roots);
+            (lows[l], faces[l]) = (low, u32::all_if(at_face) & !passed[l]);
+        }
+        for l in 0..N {
+            let first = faces[l] & u32::all_if(rank < self.rank[l]);
+            self.rank[l] ^= (self.rank[l] ^ rank) & first;
+            self.slot[l] ^= (self.slot[l] ^ slot as u32) & first;
+            k.keep(l, pick(passed[l] | faces[l], BEYOND, lows[l].min(BEYOND)), slot as u32);
+        }
+        true
+    }
+
+    #[inline(always)]
+    fn least(&self, l: usize, low: f32) -> f32 {
+        let face = self.face(l);
+        pick(u32::all_if(face < low), face, low)
+    }
+
+    #[inline(always)]
+    fn end(&mut self, k: &mut NearestTwos<N>) {
+        for l in 0..N {
+            let before = k.low[l];
+            k.keep(l, self.face(l), self.slot[l]);
+            self.on_face[l] = u32::all_if(k.low[l] < before);
+        }
+    }
+
+    #[inline(always)]
+    fn certify(&self, strip: &Strip<N>, certify: &Certify<'_, f32>, k: &NearestTwos<N>, answers: &mut StripAnswers<N>) {
+        let Some(kept) = &self.kept else { return };
+        for l in 0..N {
+            let slot = k.slot[l];
+            if slot & GENERAL != 0 || self.planes.ranks[slot as usize] == 0 {
+                continue;
+            }
+            let kept = kept.at(l);
+            if self.on_face[l] != 0 {
+                let answer = kept.face(answers.id[l], self.planes.planes[kept.plane as usize].normal);
+                answers.set(l, &answer, certify.certain(&answer, [k.low[l], k.second[l]]));
+                continue;
+            }
+            let sphere = certify.projected(slot as usize);
+            let roots = projected_roots(&strip.slopes(l), certify.projection, &sphere, certify.terms);
+            answers.certain[l] &= u32::all_if(CutLow::new(&kept, &roots).at_root);
+        }
+    }
+
+    #[inline(always)]
+    fn on_face(&self, l: usize) -> u32 {
+        self.on_face[l]
+    }
+}
