@@ -159,6 +159,11 @@ impl Judge {
         self.with_depth([i, j], self.bench.truth(&rays, &self.bench.hit_body(&rays, (0, is_cut), &body)?)?)
     }
 
+    /// Whether the ray of row `i` and column `j` lies along a plane that cuts spheres, in it or beside it.
+    pub(crate) fn is_along(&self, [i, j]: [u32; 2], plane: usize) -> bool {
+        self.ray(i, j).is_some_and(|ray| self.bench.is_along(&ray, plane))
+    }
+
     /// The answers to questions about the hit of one sphere by the ray of row `i`, column `j`; `None` where the ray misses
     /// that sphere.
     pub(crate) fn ask(&self, i: u32, j: u32, solid: Solid, questions: &[LightQuestion]) -> Option<Vec<bool>> {
@@ -354,6 +359,12 @@ impl Bench {
 
     fn body(&self, ball: Ball) -> Body {
         Body::new(&self.frame, &self.camera, ball)
+    }
+
+    /// Whether the ray lies along a plane, in it or beside it.
+    fn is_along(&self, rays: &RayForms<'_>, plane: usize) -> bool {
+        let plane = self.cuts.as_ref().map(|cuts| &cuts.planes[plane]);
+        plane.is_some_and(|plane| self.frame.is_along(rays.exact(&self.frame), plane))
     }
 
     /// The candidate hit of the sphere, which planes may cut, if the ray hits it.

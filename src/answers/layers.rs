@@ -117,9 +117,12 @@ struct Candidate {
 }
 
 impl<'a> Peeling<'a> {
-    pub(crate) fn new(scene: &'a Scene, view: &'a View, lists: &'a BinnedScene, layers: Layers<'a>) -> Self {
-        let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, lists, cuts, 1.0));
-        Self { scene, view, lists, layers, cuts }
+    /// # Errors
+    /// Errors of the judge.
+    pub(crate) fn new(scene: &'a Scene, view: &'a View, lists: &'a BinnedScene, layers: Layers<'a>) -> Result<Self> {
+        let cuts = scene.spheres.cuts.as_ref();
+        let cuts = cuts.map(|cuts| CutSettler::new(scene, view, lists, cuts, f64::INFINITY)).transpose()?;
+        Ok(Self { scene, view, lists, layers, cuts })
     }
 
     /// The ids of the next layers of some pixels, pixel after pixel: the translucent hits behind the first, in order up to the opaque one;

@@ -49,7 +49,7 @@ const AT_ONCE: usize = 1 << 24;
 
 /// Decides every unsure pixel among the spheres that may be its nearest hit, by their lower bounds of depth. The CPU
 /// twin computes these bounds anew; they hold as the kernel's do, whichever way either rounds. Where planes cut spheres, f64 decides and
-/// answers pixels whose t it knows to `sharp` of itself. `go_on` is called before
+/// answers pixels whose t it knows to `sharp` of itself, which is infinite where ids alone count. `go_on` is called before
 /// every pixel; if it returns false, the result is incomplete and must be discarded.
 pub(crate) fn settle(
     scene: &Scene,
@@ -58,7 +58,8 @@ pub(crate) fn settle(
     (unsure, sharp): (&[u32], f64),
     go_on: &(dyn Fn() -> bool + Sync),
 ) -> Result<Vec<Settled>> {
-    let cuts = scene.spheres.cuts.as_ref().map(|cuts| CutSettler::new(scene, view, binned, cuts, sharp));
+    let cuts = scene.spheres.cuts.as_ref();
+    let cuts = cuts.map(|cuts| CutSettler::new(scene, view, binned, cuts, sharp)).transpose()?;
     let settler = Settler { scene, view, twin: Certify::new(&view.record, binned), cuts, go_on };
     let mut settled = Vec::with_capacity(unsure.len());
     let most: Vec<usize> = parallel::map(unsure, |pixel| settler.most(*pixel));
@@ -188,17 +189,33 @@ pub(super) struct CutSettler<'a> {
     cuts: &'a Cuts,
     planes: EyePlanes,
     placement: Placement,
-    /// The largest relative error of a t that f64 answers with.
+    /// The judge of the planes alone.
+    judge: Judge,
+    /// The largest relative error of a t that f64 answers with; infinite where ids alone count.
     sharp: f64,
     /// The depth from which lower bounds of depths count, in the frame's unit.
     reference: f64,
 }
 
 impl<'a> CutSettler<'a> {
-    pub(super) fn new(scene: &'a Scene, view: &'a View, binned: &BinnedScene, cuts: &'a Cuts, sharp: f64) -> Self {
+    /// # Errors
+    /// Errors of the judge.
+    pub(super) fn new(
+        scene: &'a Scene,
+        view: &'a View,
+        binned: &BinnedScene,
+        cuts: &'a Cuts,
+        sharp: f64,
+    ) -> Result<Self> {
         let Spheres { centers, radii, .. } = &scene.spheres;
         let (planes, placement) = (EyePlanes::new(cuts, view.basis.e), Placement::new(centers, radii));
-        Self { scene, view, cuts, planes, placement, sharp, reference: binned.projection.depth.into() }
+        let (judge, reference) = (view.judge(&scene.bare())?, binned.projection.depth.into());
+        Ok(Self { scene, view, cuts, planes, placement, judge, sharp, reference })
+    }
+
+    fn ray(&self, at: [u32; 2]) -> Option<CutRay> {
+        let is_along = |plane| self.judge.is_along(at, plane);
+        CutRay::of_pixel(&self.planes, self.view, &self.placement, (at, &is_along))
     }
 
     fn ball(&self, id: u32) -> NumberedBall {
@@ -207,7 +224,7 @@ impl<'a> CutSettler<'a> {
 
     /// The first hit among some spheres; `None` where f64 does not decide it, or not sharply enough.
     fn first(&self, at: [u32; 2], some: &[(f32, u32)]) -> Option<Option<Truth>> {
-        let ray = CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?;
+        let ray = self.ray(at)?;
         match self.first_of(&ray, at, some.iter().copied())? {
             None => Some(None),
             Some(hit) => ray.truth((&self.planes, self.sharp), self.view, at, hit).map(Some),
@@ -216,7 +233,7 @@ impl<'a> CutSettler<'a> {
 
     /// The sphere that is hit first among some; `None` where f64 does not decide it.
     pub(super) fn first_id(&self, at: [u32; 2], some: impl Iterator<Item = (f32, u32)>) -> Option<Option<u32>> {
-        let ray = CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?;
+        let ray = self.ray(at)?;
         self.first_of(&ray, at, some).map(|hit| hit.map(|(ball, _)| ball.id))
     }
 
@@ -237,7 +254,7 @@ impl<'a> CutSettler<'a> {
     /// was decided among.
     fn sharpened(&self, at: [u32; 2], truth: Truth) -> Truth {
         let own = || {
-            let (ray, ball) = (CutRay::of_pixel(&self.planes, self.view, &self.placement, at)?, self.ball(truth.id));
+            let (ray, ball) = (self.ray(at)?, self.ball(truth.id));
             let hit = ray.hit(ball, self.cuts.is_cut(truth.id)).filter(|hit| hit.root == truth.root)?;
             ray.truth((&self.planes, self.sharp), self.view, at, (ball, hit))
         };

@@ -151,8 +151,11 @@ impl Binning<'_> {
         let Self { scene, view, tolerance, level, through, pool, .. } = *self;
         let SphereBins { bins, mut generals, projected_count, entries, range } = bins;
         let cuts = scene.spheres.cuts.as_ref();
-        // A cut sphere is hit at any depth from 0, or not at all.
-        for general in generals.iter_mut().filter(|general| cuts.is_some_and(|cuts| cuts.is_cut(general.id))) {
+        let whole = if cuts.is_some() { generals.clone() } else { Vec::new() };
+        // A cut sphere with the eye inside is hit at any depth from 0, or not at all.
+        let is_open =
+            |general: &GeneralRecord| general.power <= 0.0 && cuts.is_some_and(|cuts| cuts.is_cut(general.id));
+        for general in generals.iter_mut().filter(|general| is_open(general)) {
             (general.power, general.form, general.blur) = (0.0, 1, UNKNOWN);
         }
         let size = [scene.image.width, scene.image.height];
@@ -172,8 +175,9 @@ impl Binning<'_> {
         let near = GeneralTree::new(projection, &generals, size, margin);
         let general_lists = near.lists(view.record.tiles(), level);
         let deepest = range.map_or(0.0, |[_, deepest]| deepest);
-        let planes =
-            cuts.map(|cuts| PlaneRecords::new((&scene.spheres, cuts), view, projection, (&lists, reference, deepest)));
+        let planes = cuts.map(|cuts| {
+            PlaneRecords::new((&scene.spheres, cuts), view, projection, (&lists, whole), (reference, deepest))
+        });
         BinnedScene { projection: record, lists, generals, general_lists, projected_count, planes }
     }
 }

@@ -69,8 +69,14 @@ enum Answer {
 }
 
 impl CutRay {
-    /// The viewing ray of row `i` and column `j`; `None` where f64 does not tell which part of it is kept.
-    pub(crate) fn of_pixel(planes: &EyePlanes, view: &View, placement: &Placement, at: [u32; 2]) -> Option<Self> {
+    /// The viewing ray of row `i` and column `j`; `None` where f64 does not tell which part of it is kept. `is_along` says of a plane, in
+    /// exact numbers, whether the ray lies along it.
+    pub(crate) fn of_pixel(
+        planes: &EyePlanes,
+        view: &View,
+        placement: &Placement,
+        (at, is_along): ([u32; 2], &dyn Fn(usize) -> bool),
+    ) -> Option<Self> {
         let ray = CertifiedRay::of_pixel(view, placement, at);
         let mut found = Self { ray, entry: None, exit: None, is_empty: false };
         let (offset, d) = (found.ray.offset(), found.ray.direction);
@@ -89,10 +95,19 @@ impl CutRay {
                 found.is_empty |= num < 0.0;
                 continue;
             }
+            let from_eye = offset == [0.0; 3];
             if !(num.is_finite() && den.abs() > 2.0 * den_error) {
-                return None;
+                // Such a plane keeps all of the ray or nothing, as of its origin.
+                let is_beyond = match side {
+                    _ if !is_along(index) => return None,
+                    side if from_eye => *side == Ordering::Less,
+                    _ if num.abs() > num_error => num < 0.0,
+                    _ => return None,
+                };
+                found.is_empty |= is_beyond;
+                continue;
             }
-            match (side, offset == [0.0; 3]) {
+            match (side, from_eye) {
                 // The eye is exactly on the plane.
                 (Ordering::Equal, true) => {
                     found.is_empty |= den > 0.0;
@@ -231,7 +246,7 @@ impl CutRay {
         dd::ldexp(-1.0 / z, -self.ray.shift)
     }
 
-    /// The answer for a hit whose t is known to `sharp` of itself, and its normal; else `None`.
+    /// The answer for a hit whose t is known to `sharp` of itself, and, where that is finite, its normal; else `None`.
     pub(crate) fn truth(
         &self,
         (planes, sharp): (&EyePlanes, f64),
@@ -258,7 +273,7 @@ impl CutRay {
                 (outward.map(|x| x * sign), 2.0 * error / self.ray.radius(ball.ball.radius))
             }
         };
-        if turn.is_nan() || turn >= TURNED {
+        if turn.is_nan() || sharp < f64::INFINITY && turn >= TURNED {
             return None;
         }
         let t = dd::ldexp(t, self.ray.shift);

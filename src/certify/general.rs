@@ -1,7 +1,8 @@
 //! A sphere that is not entirely in front of the eye plane, with a bound per ray: the twin of certify/general.wgsl.
 
 use super::answer::{Answer, Slopes};
-use super::constants::{CLEAR, FAR, HOST, HOST_PARTS, INFLATE, NORMAL, UNIT, VANISH};
+use super::constants::{BEYOND, CLEAR, FAR, HOST, HOST_PARTS, INFLATE, NORMAL, UNIT, VANISH};
+use super::projected::Roots;
 use super::terms::Terms;
 use crate::number::{Mask, Number};
 use crate::view::ray::{cross3, minus, positive, times, unit3};
@@ -134,6 +135,27 @@ pub(super) fn general_below<R: Number>(s: &Slopes<R>, n: &General<R>, w: &Weighe
 pub(crate) fn general_low<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Terms) -> R {
     let low = general_below(s, n, &general_weigh(s, n, terms), terms);
     low.less(R::MISS).pick(low * n.scale, R::MISS)
+}
+
+/// The roots of the sphere, of which planes may leave either.
+#[inline(always)]
+pub(crate) fn general_roots<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Terms) -> Roots<R> {
+    let (beyond, one) = (R::from_f32(BEYOND), R::ONE);
+    let Answer { low, high, hits, .. } = general_answer(s, n, terms);
+    let w = general_weigh(s, n, terms);
+    let least = positive(w.disc - w.error).sqrt();
+    let most = positive(w.disc + w.error).sqrt();
+    let of_sum = sum_error(s, terms);
+    let sums = [
+        (w.b - w.b_error + least) * s.inverse * (one - of_sum) * n.scale,
+        (w.b + w.b_error + most) * s.inverse * (one + of_sum) * n.scale,
+    ];
+    let (outside, first) = (R::ZERO.less(n.power), general_low(s, n, terms));
+    // An eye on the surface is not known to be on either side of it.
+    let hits = hits & (outside | n.power.less(R::ZERO));
+    let far = [outside.pick(sums[0], low), hits.pick(outside.pick(sums[1], high), beyond)];
+    let near = [outside.pick(first, -beyond), outside.pick(high, -beyond)];
+    Roots { near, far, hits, misses: !first.less(R::MISS), inside: !outside }
 }
 
 #[inline(always)]

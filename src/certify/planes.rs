@@ -1,8 +1,10 @@
 //! Planes that cut spheres, as rays pass them in f32 with bounds: the part of a ray that they keep, and what is hit of a sphere there.
 //! docs/certificate.md, section 9a, derives the bounds.
 
+use super::GENERAL;
 use super::answer::{Answer, ProjectionRecord, Slopes};
 use super::constants::{BEYOND, INFLATE, UNIT, VANISH};
+use super::general::{General, GeneralRecord};
 use super::projected::Roots;
 use super::projection::{ProjectionBounds, UNKNOWN};
 use super::terms::Terms;
@@ -51,7 +53,10 @@ pub(crate) struct PlaneRecords {
     pub(crate) reach: f32,
     /// Of each entry in lists of tiles its sphere's place, from 1 on, among cut ones by radius and id; 0 for whole ones. Of several faces
     /// at one place the least shows.
-    pub(crate) ranks: Vec<u32>,
+    ranks: Vec<u32>,
+    /// The same of the general spheres, and these as if whole.
+    general_ranks: Vec<u32>,
+    generals: Vec<GeneralRecord>,
 }
 
 impl PlaneRecords {
@@ -60,18 +65,40 @@ impl PlaneRecords {
         (spheres, cuts): (&Spheres, &Cuts),
         view: &View,
         projection: &ProjectionBounds,
-        (lists, reference, deepest): (&Lists, f32, f64),
+        (lists, generals): (&Lists, Vec<GeneralRecord>),
+        (reference, deepest): (f32, f64),
     ) -> Self {
         let middle = [view.record.width, view.record.height].map(|n| (n / 2) as i32);
         let one = |plane: &EyePlane| PlaneRecord::new(plane, view, projection, (middle, reference.into()));
         let eye = EyePlanes::new(cuts, view.basis.e);
         let order = by_radius(spheres, cuts);
         let largest = order.last().map_or(0.0, |id| dd::ldexp(spheres.radii[*id as usize], -view.unit));
-        let reach = (deepest + largest).max(reference.into()) * f64::from(INFLATE);
+        let deep =
+            |GeneralRecord { center_radius: [.., z, r], scale, .. }: &GeneralRecord| f64::from((z.abs() + r) * scale);
+        let deepest = generals.iter().map(deep).fold(deepest + largest, f64::max);
+        let reach = deepest.max(reference.into()) * f64::from(INFLATE);
         let mut by_id = vec![0; spheres.len()];
         (1..).zip(order).for_each(|(rank, id)| by_id[id as usize] = rank);
-        let ranks = parallel::map(&lists.details, |detail| by_id.get(detail.id as usize).copied().unwrap_or_default());
-        Self { planes: eye.iter().map(one).collect(), middle, reach: reach as f32, ranks }
+        let rank = |id: u32| by_id.get(id as usize).copied().unwrap_or_default();
+        let ranks = parallel::map(&lists.details, |detail| rank(detail.id));
+        let general_ranks = generals.iter().map(|general| rank(general.id)).collect();
+        let planes = eye.iter().map(one).collect();
+        Self { planes, middle, reach: reach as f32, ranks, general_ranks, generals }
+    }
+}
+
+impl PlaneRecords {
+    /// The place of a slot's sphere among cut ones by radius and id, from 1 on; 0 for a whole one.
+    #[inline(always)]
+    pub(crate) fn rank(&self, slot: u32) -> u32 {
+        let place = (slot & !GENERAL) as usize;
+        if slot & GENERAL == 0 { self.ranks[place] } else { self.general_ranks[place] }
+    }
+
+    /// A general sphere as if whole.
+    #[inline(always)]
+    pub(crate) fn general<R: Number>(&self, place: u32) -> General<R> {
+        General::new(&self.generals[place as usize])
     }
 }
 
@@ -198,7 +225,7 @@ impl<R: Number> Kept<R> {
 pub(crate) struct CutLow<R> {
     /// A lower bound of the depth of the hit, or MISS for a certain miss.
     pub(crate) low: R,
-    /// Whether it is certainly hit at its near root.
+    /// Whether it is certainly hit at its near root, from inside at its far one.
     pub(crate) at_root: bool,
     /// Whether it is certainly hit at its face, between the bounds of the part's begin.
     pub(crate) at_face: bool,
@@ -208,13 +235,16 @@ impl<R: Number> CutLow<R> {
     #[inline(always)]
     pub(crate) fn new(kept: &Kept<R>, roots: &Roots<R>) -> Self {
         let Kept { entry, exit, plane, is_empty, is_unknown } = *kept;
-        let Roots { near, far, hits, misses } = *roots;
-        let gone = misses | is_empty | exit[1].less(entry[0]) | far[1].less(entry[0]) | exit[1].less(near[0]);
+        let Roots { near, far, hits, misses, inside } = *roots;
+        // From inside, a ray that no plane lets in hits the far root.
+        let from_inside = inside & (plane == NONE) & !is_unknown;
+        let first = [0, 1].map(|k| from_inside.pick(far[k], near[k]));
+        let gone = misses | is_empty | exit[1].less(entry[0]) | far[1].less(entry[0]) | exit[1].less(first[0]);
         let known = hits & !is_unknown & !gone;
-        let low = near[0].less(entry[0]).pick(entry[0], near[0]);
+        let low = first[0].less(entry[0]).pick(entry[0], first[0]);
         Self {
             low: gone.pick(R::MISS, low),
-            at_root: known & entry[1].less(near[0]) & near[1].less(exit[0]),
+            at_root: known & entry[1].less(first[0]) & first[1].less(exit[0]),
             at_face: known & (plane != NONE) & near[1].less(entry[0]) & entry[1].less(far[0]) & entry[1].less(exit[0]),
         }
     }

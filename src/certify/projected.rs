@@ -118,6 +118,8 @@ pub(crate) struct Roots<R> {
     /// The ray certainly hits, and in front of the eye; or it certainly misses.
     pub(crate) hits: bool,
     pub(crate) misses: bool,
+    /// The eye may be inside or on the surface: what the ray hits first is the far root.
+    pub(crate) inside: bool,
 }
 
 /// The near root, and the numbers that its bounds are made of.
@@ -179,7 +181,7 @@ pub(crate) fn projected_roots<R: Number>(
     // Under parallel projection, a sphere that may intersect the eye plane has no depth.
     let has_depth = c(projection.depth) + f.center > R::ZERO;
     let far = [far[0], has_depth.pick(far[1], c(BEYOND))];
-    Roots { near: [low, high], far, hits, misses: weighed.disc < -weighed.error }
+    Roots { near: [low, high], far, hits, misses: weighed.disc < -weighed.error, inside: false }
 }
 
 /// The answer for the winner, with its bounds.

@@ -83,12 +83,23 @@ impl ExactPlane {
 }
 
 impl ExactFrame {
+    /// N.dir'
+    fn across(&self, ray: &ExactRay, ExactPlane { normal, .. }: &ExactPlane) -> FieldElement {
+        let mut across = FieldElement::ZERO;
+        for (axis, along) in self.axes.iter().zip(&ray.dir) {
+            across.add(axis.unit, &(along * &dyadic::dot(normal, &axis.vector)));
+        }
+        across
+    }
+
+    /// Whether a ray lies along a plane, in it or beside it.
+    pub(super) fn is_along(&self, ray: &ExactRay, plane: &ExactPlane) -> bool {
+        self.field.sign(&self.across(ray, plane)) == Ordering::Equal
+    }
+
     fn crossing(&self, ray: &ExactRay, index: usize, plane: &ExactPlane) -> Crossing {
         let ExactPlane { normal, distance } = plane;
-        let (mut den, mut num) = (FieldElement::ZERO, FieldElement::ZERO);
-        for (axis, along) in self.axes.iter().zip(&ray.dir) {
-            den.add(axis.unit, &(along * &dyadic::dot(normal, &axis.vector)));
-        }
+        let (mut den, mut num) = (self.across(ray, plane), FieldElement::ZERO);
         num.add(FieldBasis::One, &(distance - &dyadic::dot(normal, &self.eye)));
         if ray.is_parallel() {
             let mut origin = FieldElement::ZERO;

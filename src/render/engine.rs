@@ -77,7 +77,7 @@ pub(super) trait Engine {
 /// Decides the unsure pixels among spheres that are binned.
 fn settle(
     Rendering { renderer, settings, log, .. }: &mut Rendering<'_>,
-    ViewRays { scene, view, .. }: ViewRays<'_>,
+    ViewRays { scene, view, kernel }: ViewRays<'_>,
     binned: &BinnedScene,
     raw: &Raw,
 ) -> Result<Vec<Settled>> {
@@ -86,8 +86,12 @@ fn settle(
         return Ok(Vec::new());
     }
     let doing = renderer.watch.begin(Step::Settle, unsure.len() as u64);
-    // The bound of a settled distance is that of the judge's.
-    let sharp = if settings.asks(&[Aov::Bound]) { 0.0 } else { SHARP.min(0.25 * settings.promise().relative()) };
+    let sharp = match kernel {
+        // The bound of a settled distance is that of the judge's.
+        _ if settings.asks(&[Aov::Bound]) => 0.0,
+        _ if !(kernel.t || kernel.normal || kernel.shade.is_some()) => f64::INFINITY,
+        _ => SHARP.min(0.25 * settings.promise().relative()),
+    };
     let settled = log.time("settle", || settle::settle(scene, view, binned, (&unsure, sharp), &|| doing.next(1)));
     doing.end()?;
     settled

@@ -3,9 +3,10 @@
 use super::claims::{Case, Judged};
 use super::wild::{Mode, Value, Wild, under};
 use super::worlds::{FAMILIES, Make};
+use crate::certify::general::general_roots;
 use crate::certify::planes::{CutLow, Kept};
 use crate::certify::projected::projected_roots;
-use crate::certify::{Certify, TERMS, Terms};
+use crate::certify::{Certify, GENERAL, TERMS, Terms};
 use crate::exact::Root;
 use crate::scene::{CutPlane, Scene};
 use crate::testing::Rng;
@@ -62,12 +63,17 @@ fn check<R: Value + std::fmt::Debug>(
     let parts = (0..).zip(&planes.planes);
     let kept =
         parts.fold(Kept::<R>::all(twin.projection), |kept, (n, plane)| kept.cut(&s, (plane, n), frame.0, frame.1));
-    for entry in twin.entries(&s).filter(|entry| planes.ranks[*entry] > 0) {
-        let sphere = twin.projected(entry);
-        let truth = judged.each[sphere.id as usize];
-        let found = CutLow::new(&kept, &projected_roots(&s, twin.projection, &sphere, twin.terms));
-        let says =
-            |what: &str| format!("pixel {i} {j}: sphere {}: {what}, {truth:?}, {found:?} of {kept:?}", sphere.id);
+    let projected = twin.entries(&s).map(|entry| entry as u32);
+    let generals = (0..twin.generals.len() as u32).map(|place| GENERAL | place);
+    for slot in projected.chain(generals).filter(|slot| planes.rank(*slot) > 0) {
+        let (place, id) = (slot & !GENERAL, twin.id(slot));
+        let truth = judged.each[id as usize];
+        let roots = match slot & GENERAL {
+            0 => projected_roots(&s, twin.projection, &twin.projected(place as usize), twin.terms),
+            _ => general_roots(&s, &planes.general(place), twin.terms),
+        };
+        let found = CutLow::new(&kept, &roots);
+        let says = |what: &str| format!("pixel {i} {j}: sphere {id}: {what}, {truth:?}, {found:?} of {kept:?}");
         claims.all += 1;
         let Some(hit) = truth else {
             if found.at_root || found.at_face {
@@ -80,12 +86,12 @@ fn check<R: Value + std::fmt::Debug>(
         if found.low == R::MISS || found.low.value() > depth + spare {
             return Err(says("not below"));
         }
-        if found.at_root && hit.root != Root::Near || found.at_face && hit.root != Root::Face {
+        if found.at_root && hit.root == Root::Face || found.at_face && hit.root != Root::Face {
             return Err(says("elsewhere"));
         }
         if found.at_face {
             let plane = &planes.planes[kept.plane as usize];
-            let answer = kept.face(sphere.id, plane.normal);
+            let answer = kept.face(id, plane.normal);
             let error = (answer.offset.value() - depth).abs();
             if answer.low.value() > depth + spare || answer.high.value() < depth - spare {
                 return Err(says("not between"));

@@ -4,8 +4,9 @@
 
 use super::strip::{NearestTwos, Passed, Strip, StripAnswers};
 use crate::certify::constants::BEYOND;
+use crate::certify::general::{general_answer, general_roots};
 use crate::certify::planes::{CutLow, Kept, PlaneRecords};
-use crate::certify::projected::projected_roots;
+use crate::certify::projected::{Roots, projected_roots};
 use crate::certify::{Certify, GENERAL};
 use crate::number::vector::{Bits, pick};
 use crate::view::ray::NONE;
@@ -17,7 +18,7 @@ pub(super) trait Solids<const N: usize> {
         &mut self,
         strip: &Strip<N>,
         certify: &Certify<'_, f32>,
-        slot: usize,
+        slot: u32,
         passed: &impl Passed<N>,
         k: &mut NearestTwos<N>,
     ) -> bool;
@@ -40,14 +41,7 @@ pub(super) struct Whole;
 
 impl<const N: usize> Solids<N> for Whole {
     #[inline(always)]
-    fn take(
-        &mut self,
-        _: &Strip<N>,
-        _: &Certify<'_, f32>,
-        _: usize,
-        _: &impl Passed<N>,
-        _: &mut NearestTwos<N>,
-    ) -> bool {
+    fn take(&mut self, _: &Strip<N>, _: &Certify<'_, f32>, _: u32, _: &impl Passed<N>, _: &mut NearestTwos<N>) -> bool {
         false
     }
 
@@ -148,28 +142,38 @@ impl<const N: usize> Solids<N> for CutStrip<'_, N> {
         &mut self,
         strip: &Strip<N>,
         certify: &Certify<'_, f32>,
-        slot: usize,
+        slot: u32,
         passed: &impl Passed<N>,
         k: &mut NearestTwos<N>,
     ) -> bool {
-        let rank = self.planes.ranks[slot];
+        let rank = self.planes.rank(slot);
         if rank == 0 {
             return false;
         }
-        let (sphere, projection, terms) = (certify.projected(slot), *certify.projection, *certify.terms);
-        let passed = passed.lanes(|| sphere.id);
+        let (projection, terms) = (*certify.projection, *certify.terms);
+        let passed = passed.lanes(|| certify.id(slot));
         let (mut lows, mut faces) = ([0.0; N], [0; N]);
         let kept = self.kept.get_or_insert_with(|| KeptParts::new(strip, certify, self.planes));
-        for l in 0..N {
-            let roots = projected_roots(&strip.slopes(l), &projection, &sphere, &terms);
+        let mut keep = |l: usize, roots: Roots<f32>| {
             let CutLow { low, at_face, .. } = CutLow::new(&kept.at(l), &roots);
             (lows[l], faces[l]) = (low, u32::all_if(at_face) & !passed[l]);
+        };
+        if slot & GENERAL == 0 {
+            let sphere = certify.projected(slot as usize);
+            for l in 0..N {
+                keep(l, projected_roots(&strip.slopes(l), &projection, &sphere, &terms));
+            }
+        } else {
+            let sphere = self.planes.general(slot & !GENERAL);
+            for l in 0..N {
+                keep(l, general_roots(&strip.slopes(l), &sphere, &terms));
+            }
         }
         for l in 0..N {
             let first = faces[l] & u32::all_if(rank < self.rank[l]);
             self.rank[l] ^= (self.rank[l] ^ rank) & first;
-            self.slot[l] ^= (self.slot[l] ^ slot as u32) & first;
-            k.keep(l, pick(passed[l] | faces[l], BEYOND, lows[l].min(BEYOND)), slot as u32);
+            self.slot[l] ^= (self.slot[l] ^ slot) & first;
+            k.keep(l, pick(passed[l] | faces[l], BEYOND, lows[l].min(BEYOND)), slot);
         }
         true
     }
@@ -192,20 +196,46 @@ impl<const N: usize> Solids<N> for CutStrip<'_, N> {
     #[inline(always)]
     fn certify(&self, strip: &Strip<N>, certify: &Certify<'_, f32>, k: &NearestTwos<N>, answers: &mut StripAnswers<N>) {
         let Some(kept) = &self.kept else { return };
+        let (projection, terms) = (*certify.projection, *certify.terms);
+        let cut = |l: usize| k.slot[l] != NONE && self.planes.rank(k.slot[l]) != 0;
+        // All lanes are computed, since usually all share the winner.
+        let mut left: [u32; N] = k.slot;
         for l in 0..N {
-            let slot = k.slot[l];
-            if slot & GENERAL != 0 || self.planes.ranks[slot as usize] == 0 {
-                continue;
+            left[l] = if cut(l) && self.on_face[l] == 0 { left[l] } else { NONE };
+        }
+        while let Some(slot) = left.into_iter().find(|slot| *slot != NONE) {
+            let mut own = [0; N];
+            for l in 0..N {
+                own[l] = u32::all_if(left[l] == slot);
+                left[l] |= own[l];
             }
+            let mut at_root = [0; N];
+            if slot & GENERAL == 0 {
+                let sphere = certify.projected(slot as usize);
+                for l in 0..N {
+                    let roots = projected_roots(&strip.slopes(l), &projection, &sphere, &terms);
+                    at_root[l] = u32::all_if(CutLow::new(&kept.at(l), &roots).at_root);
+                }
+            } else {
+                let (sphere, mut found) = (self.planes.general(slot & !GENERAL), StripAnswers::default());
+                for l in 0..N {
+                    let answer = general_answer(&strip.slopes(l), &sphere, &terms);
+                    found.set(l, &answer, certify.certain(&answer, [k.low[l], k.second[l]]));
+                }
+                for l in 0..N {
+                    let roots = general_roots(&strip.slopes(l), &sphere, &terms);
+                    at_root[l] = u32::all_if(CutLow::new(&kept.at(l), &roots).at_root);
+                }
+                answers.take(&found, |l| own[l] != 0);
+            }
+            for l in 0..N {
+                answers.certain[l] &= at_root[l] | !own[l];
+            }
+        }
+        for l in (0..N).filter(|l| self.on_face[*l] != 0) {
             let kept = kept.at(l);
-            if self.on_face[l] != 0 {
-                let answer = kept.face(answers.id[l], self.planes.planes[kept.plane as usize].normal);
-                answers.set(l, &answer, certify.certain(&answer, [k.low[l], k.second[l]]));
-                continue;
-            }
-            let sphere = certify.projected(slot as usize);
-            let roots = projected_roots(&strip.slopes(l), certify.projection, &sphere, certify.terms);
-            answers.certain[l] &= u32::all_if(CutLow::new(&kept, &roots).at_root);
+            let answer = kept.face(certify.id(k.slot[l]), self.planes.planes[kept.plane as usize].normal);
+            answers.set(l, &answer, certify.certain(&answer, [k.low[l], k.second[l]]));
         }
     }
 

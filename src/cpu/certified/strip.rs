@@ -103,6 +103,9 @@ impl<const N: usize> Strip<N> {
         for &slot in certify.general_lists.of(i, first) {
             // Copies: of what a reference leads to, compilers may expect that the loop changes it.
             let general = certify.generals[slot as usize];
+            if solids.take(self, certify, GENERAL | slot, passed, &mut k) {
+                continue;
+            }
             let mut lows = [0.0; N];
             for (l, low) in lows.iter_mut().enumerate() {
                 *low = general_low(&self.slopes(l), &general, &terms);
@@ -132,7 +135,7 @@ impl<const N: usize> Strip<N> {
                 if *projected == NOTHING {
                     break;
                 }
-                if solids.take(self, certify, slot, passed, &mut now) {
+                if solids.take(self, certify, slot as u32, passed, &mut now) {
                     continue;
                 }
                 let sphere = Projected::<f32>::new(projected, &NO_DETAIL);
@@ -246,7 +249,7 @@ impl<const N: usize> StripAnswers<N> {
 
     /// Takes over the answers of some lanes.
     #[inline(always)]
-    fn take(&mut self, other: &Self, lane: impl Fn(usize) -> bool) {
+    pub(super) fn take(&mut self, other: &Self, lane: impl Fn(usize) -> bool) {
         let mut lanes = [0; N];
         for l in 0..N {
             lanes[l] = u32::all_if(lane(l));

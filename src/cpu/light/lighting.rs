@@ -93,7 +93,8 @@ impl LightingContext<'_> {
         let whole = || SurfacePoint::of_pixel(self.view, placement, [i, j], sphere);
         let cuts = self.cuts.as_ref().filter(|cuts| cuts.cuts.is_cut(id));
         let of_cut = |cuts: &HitCuts<'_>| {
-            let ray = CutRay::of_pixel(&cuts.planes, self.view, placement, [i, j])?;
+            let is_along = |plane| self.judge.is_some_and(|judge| judge.is_along([i, j], plane));
+            let ray = CutRay::of_pixel(&cuts.planes, self.view, placement, ([i, j], &is_along))?;
             Some(ray.point(&cuts.planes, sphere, ray.hit(sphere, true)?))
         };
         let point = cuts.map_or_else(|| Some(whole()), of_cut);

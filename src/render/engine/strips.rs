@@ -45,7 +45,7 @@ impl Engine for Strips {
             found.push(next.id);
         }
         doing.end()?;
-        let more = Peeling::new(scene, view, &self.binned, layers).behind(&undecided, watch)?;
+        let more = Peeling::new(scene, view, &self.binned, layers)?.behind(&undecided, watch)?;
         for (pixel, ids) in undecided.iter().zip(more.chunks(found.len())) {
             found.iter_mut().zip(ids).for_each(|(layer, id)| layer[*pixel as usize] = *id);
         }
