@@ -4,6 +4,7 @@
 mod certified;
 mod foremost;
 pub(crate) mod given_certified;
+pub(crate) mod given_cuts;
 mod given_rays;
 pub(crate) mod hidden;
 pub(crate) mod light;

@@ -7,10 +7,10 @@ use halfline::scene::CutPlane;
 use halfline_files::read::Selection;
 use halfline_files::read::cut::{CutAt, CutRules};
 
-/// The options for planes that cut spheres, and for the spheres that they may cut.
+/// The options for planes that cut spheres.
 #[derive(Debug, Args)]
 #[command(next_help_heading = LOOK)]
-pub(super) struct CutArgs {
+pub(super) struct PlaneArgs {
     /// Cuts spheres by a plane: what has X,Y,Z . p > D is removed, and spheres that the plane passes through show their inside. May be
     /// repeated: what one plane removes is removed.
     #[arg(long, value_name = "X,Y,Z,D", value_parser = plane, allow_hyphen_values = true)]
@@ -25,29 +25,49 @@ pub(super) struct CutArgs {
     /// Planes cut only the spheres that EXPR selects; the others stay whole.
     #[arg(long, value_name = "EXPR")]
     cut_only: Option<Selection>,
+}
+
+/// The options for planes that cut spheres, and for their faces.
+#[derive(Debug, Args)]
+#[command(next_help_heading = LOOK)]
+pub(super) struct CutArgs {
+    #[command(flatten)]
+    planes: PlaneArgs,
     /// Colour of the faces that planes cut, or with EXPR=C of those of selected spheres, as --color takes it [default: that of each
     /// sphere]. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]C", value_parser = face_color)]
     cut_color: Vec<Rule<[f32; 3]>>,
 }
 
-impl CutArgs {
-    /// Whether some option of cuts is given.
-    pub(super) fn is_given(&self) -> bool {
-        !(self.cut.is_empty() && self.cut_slab.is_empty() && self.cut_color.is_empty()) || self.selects()
-    }
-
+impl PlaneArgs {
     /// Whether spheres are selected by their columns.
     pub(super) fn selects(&self) -> bool {
-        !self.cut_at.is_empty() || self.cut_only.is_some() || !Rule::selected(&self.cut_color).is_empty()
+        !self.cut_at.is_empty() || self.cut_only.is_some()
     }
 
     pub(super) fn rules(&self) -> CutRules {
         let plane = |[x, y, z, distance]: [f64; 4]| CutPlane { normal: [x, y, z], distance };
         let slabs = self.cut_slab.iter().flat_map(|[x, y, z, a, b]| [[*x, *y, *z, *b], [-x, -y, -z, -a]]);
         let planes = self.cut.iter().copied().chain(slabs).map(plane).collect();
+        CutRules { planes, at: self.cut_at.clone(), only: self.cut_only.clone(), ..CutRules::default() }
+    }
+}
+
+impl CutArgs {
+    /// Whether some option of cuts is given.
+    pub(super) fn is_given(&self) -> bool {
+        let PlaneArgs { cut, cut_slab, .. } = &self.planes;
+        !(cut.is_empty() && cut_slab.is_empty() && self.cut_color.is_empty()) || self.selects()
+    }
+
+    /// Whether spheres are selected by their columns.
+    pub(super) fn selects(&self) -> bool {
+        self.planes.selects() || !Rule::selected(&self.cut_color).is_empty()
+    }
+
+    pub(super) fn rules(&self) -> CutRules {
         let (color, colors) = (Rule::for_all(&self.cut_color), Rule::selected(&self.cut_color));
-        CutRules { planes, at: self.cut_at.clone(), only: self.cut_only.clone(), color, colors }
+        CutRules { color, colors, ..self.planes.rules() }
     }
 }
 

@@ -7,6 +7,7 @@ use super::adapters::note_fallback;
 use super::bar::Bar;
 use super::camera_args::PoseArgs;
 use super::clash::{check_inputs, check_one_standard, place, written_twice};
+use super::cut_args::PlaneArgs;
 use super::lines::ProgressArgs;
 use super::messages::{QuietArgs, note, warn};
 use super::process::ExitCode;
@@ -20,6 +21,8 @@ use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::{Cancel, Progress, Step};
+use halfline::quote::quote;
+use halfline::quote::setting::CUT_AT;
 use halfline::render::Renderer;
 use halfline::render::trace::echoes::Echoes;
 use halfline::render::trace::{Hits, Occlusion, Tracer};
@@ -27,7 +30,7 @@ use halfline::scene::Spheres;
 use halfline::scene::lidar::Lidar;
 use halfline::settings::{Search, Settings};
 use halfline_files::read::rays::RayBlock;
-use halfline_files::read::{SceneFrame, Sequence};
+use halfline_files::read::{Keep, SceneFrame, Sequence};
 use halfline_files::write::file::{check_writable, is_standard};
 use halfline_files::write::hits::{HitFile, HitWriter};
 use report::{Cloud, Tally, TraceReport};
@@ -48,6 +51,8 @@ pub(crate) struct Trace {
     pose: PoseArgs,
     #[command(flatten)]
     read: ReadArgs,
+    #[command(flatten)]
+    cut: PlaneArgs,
     #[command(flatten)]
     accuracy: AccuracyArgs,
     /// The hits: .npz with the arrays id, t, distance, normal, position and certainty, or .csv, a row per ray; - is CSV on
@@ -158,12 +163,11 @@ impl Trace {
         warnings.extend(tracer.warning().filter(|_| !is_known).map(str::to_owned));
         bar.suspended(|| warn(&warnings));
         let report = TraceReport {
-            spheres: spheres.len() as u64,
             pattern: source.lidar().map(Into::into),
             cloud,
             elapsed_ms: start.elapsed().as_secs_f64() * 1e3,
             warnings,
-            ..TraceReport::new(tracer, work.tally, self.any)
+            ..TraceReport::new(spheres, tracer, work.tally, self.any)
         };
         bar.finish();
         Ok(report)
@@ -218,10 +222,20 @@ impl Trace {
 
     /// The scene, and every file that is read for it.
     fn scene(&self) -> Result<(SceneFrame, Vec<PathBuf>)> {
-        let mut sequence = Sequence::open(&self.scene, &self.read.options())?;
+        let mut options = self.read.options();
+        if self.cut.selects() {
+            options.particles.keep = Keep::All;
+        }
+        let mut sequence = Sequence::open(&self.scene, &options)?;
         let frame = sequence.next_scene()?;
         let mut frame = frame.ok_or_else(|| sequence.nothing())?;
         arrange(&self.read, &mut frame)?;
+        let rules = self.cut.rules();
+        if let Some(at) = rules.at.iter().find(|at| at.direction.is_none()) {
+            let problem = format!("{CUT_AT} {}: given rays have no view", quote(&at.selection.to_string()));
+            return Err(Error::settings(problem, format!("give the side to remove: {CUT_AT} EXPR:X,Y,Z")));
+        }
+        frame.cut(&rules)?;
         Ok((frame, sequence.files().to_vec()))
     }
 }

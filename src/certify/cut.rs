@@ -1,7 +1,7 @@
 //! The hits of cut spheres in f64, with bounds: for most pixels they decide what the judge would, at a hundredth of its time.
 //! docs/certificate.md, "Spheres that planes cut", derives the bounds.
 
-use super::given::{AnyHit, Bounds, CertifiedRay, EPS};
+use super::given::{AnyHit, Bounds, CertifiedRay, EPS, HitNumbers};
 use super::surface::SurfacePoint;
 use crate::double_double as dd;
 use crate::exact::{Root, Truth};
@@ -11,6 +11,7 @@ use crate::view::placement::Placement;
 use crate::view::planes::{EyePlane, EyePlanes};
 use crate::view::ray::dot3;
 use glam::DVec3;
+use std::borrow::Borrow;
 use std::cmp::Ordering;
 
 /// The largest relative error of a t, and the largest error of a normal as an angle, of an answer that is given in f64.
@@ -19,6 +20,9 @@ const TURNED: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// A distance from a plane, in the tree's unit, below which it may have lost bits.
 const TINY: f64 = 1e-290;
+
+/// Bound of the roundings of a quotient of bounds: theirs, its own and its product with this.
+const QUOTIENT: f64 = 8.0 * EPS;
 
 /// Room for the few roundings of the bounds themselves, and for products of two errors.
 const ROUNDED: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
@@ -37,18 +41,19 @@ impl Between {
         0.5 * (self.0[0] + self.0[1])
     }
 
-    /// Of both or one of them by `choose`, the lower and the upper bounds apart.
-    fn by(self, other: Option<Self>, choose: fn(f64, f64) -> f64) -> Self {
-        other.map_or(self, |Self([low, high])| Self([choose(self.0[0], low), choose(self.0[1], high)]))
+    /// Of both by `choose`, the lower and the upper bounds apart.
+    fn by(self, other: Self, choose: fn(f64, f64) -> f64) -> Self {
+        Self([0, 1].map(|k| choose(self.0[k], other.0[k])))
     }
 }
 
 /// A ray, and the part of it that the planes keep.
 pub(crate) struct CutRay {
     ray: CertifiedRay,
-    /// The place of the plane through which it enters, and its index; `None` where it begins in the kept part.
-    entry: Option<(Between, usize)>,
-    exit: Option<Between>,
+    /// The place of the plane through which it enters, and its index if that is known; `None` where it begins in the kept part.
+    entry: Option<(Between, Option<usize>)>,
+    /// The same of the plane through which it leaves.
+    exit: Option<(Between, Option<usize>)>,
     /// Whether the planes keep nothing of it.
     is_empty: bool,
 }
@@ -66,6 +71,86 @@ enum Answer {
     Hit(CutHit),
     /// Not below this t.
     Unsure(f64),
+}
+
+/// The point at which a ray through a sphere leaves it.
+#[derive(Debug)]
+pub(crate) struct Leaving {
+    /// The bounds of its t.
+    pub(crate) t: [f64; 2],
+    pub(crate) point: SurfacePoint,
+    pub(crate) sure: bool,
+}
+
+/// The first of the hits of a ray, as far as they are known.
+#[derive(Debug)]
+pub(crate) struct FirstHit {
+    best: Option<(NumberedBall, CutHit)>,
+    /// The lower bound of its t.
+    least: f64,
+    /// The next t that is not that of the best, or its lower bound.
+    second: f64,
+}
+
+impl Default for FirstHit {
+    fn default() -> Self {
+        Self { best: None, least: f64::INFINITY, second: f64::INFINITY }
+    }
+}
+
+impl FirstHit {
+    /// An upper bound of the first certain hit's t.
+    pub(crate) fn high(&self) -> f64 {
+        self.best.map_or(f64::INFINITY, |(_, hit)| hit.t.0[1])
+    }
+
+    /// The first certain hit, whether or not another may come before it, and the bounds of its t.
+    pub(crate) fn best(&self) -> Option<(NumberedBall, CutHit, [f64; 2])> {
+        self.best.map(|(ball, hit)| (ball, hit, hit.t.0))
+    }
+
+    /// A lower bound of t of all hits.
+    pub(crate) fn low(&self) -> f64 {
+        self.least.min(self.second)
+    }
+
+    /// Adds a sphere, which planes may cut.
+    pub(crate) fn keep(&mut self, ray: &CutRay, ball: NumberedBall, is_cut: bool) {
+        let [least_limit, limit] = ray.ray.limit;
+        let hit = match ray.hit_of(ball.ball, is_cut) {
+            Answer::Miss => return,
+            Answer::Hit(hit) if hit.t.0[0] >= limit => return,
+            Answer::Hit(hit) if hit.t.0[1] < least_limit => hit,
+            Answer::Unsure(low) if low >= limit => return,
+            Answer::Hit(CutHit { t: Between([low, _]), .. }) | Answer::Unsure(low) => {
+                self.second = self.second.min(low);
+                return;
+            }
+        };
+        let low = hit.t.0[0];
+        match self.best {
+            // Faces are all at one place, where the smaller sphere shows it, then the lower index.
+            Some((other, old)) if hit.root == Root::Face && old.root == Root::Face => {
+                let key = |ball: NumberedBall| (ball.ball.radius, ball.id);
+                if key(ball) < key(other) {
+                    self.best = Some((ball, hit));
+                }
+            }
+            Some(_) if low >= self.least => self.second = self.second.min(low),
+            _ => {
+                self.second = self.second.min(self.least);
+                (self.best, self.least) = (Some((ball, hit)), low);
+            }
+        }
+    }
+
+    /// The first hit: `None` where it is not decided, `Some(None)` for a certain miss.
+    pub(crate) fn found(&self) -> Option<Option<(NumberedBall, CutHit)>> {
+        match self.best {
+            None => (self.second == f64::INFINITY).then_some(None),
+            Some((_, hit)) => (hit.t.0[1] < self.second).then_some(self.best),
+        }
+    }
 }
 
 impl CutRay {
@@ -127,9 +212,9 @@ impl CutRay {
                 // A plane that the ray leaves through behind its origin.
                 found.is_empty |= place.is_below(zero);
                 found.exit = match found.exit {
-                    Some(exit) if exit.is_below(place) => Some(exit),
-                    Some(exit) if !place.is_below(exit) => return None,
-                    _ => Some(place),
+                    Some((exit, plane)) if exit.is_below(place) => Some((exit, plane)),
+                    Some((exit, _)) if !place.is_below(exit) => return None,
+                    _ => Some((place, Some(index))),
                 };
             } else if !place.is_below(zero) {
                 if !zero.is_below(place) {
@@ -139,15 +224,15 @@ impl CutRay {
                     Some((entry, plane)) if place.is_below(entry) => Some((entry, plane)),
                     // The first of equal planes.
                     Some((entry, _)) if !entry.is_below(place) => return None,
-                    _ => Some((place, index)),
+                    _ => Some((place, Some(index))),
                 };
             }
         }
         let start = found.entry.map_or(Between([0.0; 2]), |(entry, _)| entry);
         match found.exit {
             _ if found.is_empty => {}
-            Some(exit) if exit.is_below(start) => found.is_empty = true,
-            Some(exit) if !start.is_below(exit) => return None,
+            Some((exit, _)) if exit.is_below(start) => found.is_empty = true,
+            Some((exit, _)) if !start.is_below(exit) => return None,
             _ => {}
         }
         Some(found)
@@ -165,8 +250,8 @@ impl CutRay {
             return Answer::Miss;
         }
         let before_exit = || match self.exit {
-            Some(exit) if exit.is_below(root) => Answer::Miss,
-            Some(exit) if !root.is_below(exit) => Answer::Unsure(bounds.low),
+            Some((exit, _)) if exit.is_below(root) => Answer::Miss,
+            Some((exit, _)) if !root.is_below(exit) => Answer::Unsure(bounds.low),
             _ => Answer::Hit(CutHit { t: root, root: kind }),
         };
         let Some((entry, _)) = self.entry else {
@@ -197,53 +282,42 @@ impl CutRay {
         (distance.is_finite() && (distance - r).abs() > error).then_some(distance < r)
     }
 
-    /// The first hit among some spheres, each with a lower bound of its t: `None` where f64 does not decide, `Some(None)` for a certain miss.
+    /// The first hit among some spheres, each with a lower bound of its t: `None` where f64 does not decide it, `Some(None)` for a certain miss.
     /// The sooner the nearest comes, the fewer are tested.
     pub(crate) fn first(
         &self,
         balls: impl Iterator<Item = (f64, NumberedBall, bool)>,
     ) -> Option<Option<(NumberedBall, CutHit)>> {
-        let (mut best, mut least): (Option<(NumberedBall, CutHit)>, f64) = (None, f64::INFINITY);
-        // The next t that is not that of the best, or its lower bound.
-        let mut second = f64::INFINITY;
+        let mut first = FirstHit::default();
         for (least_t, ball, is_cut) in balls {
-            if best.is_some_and(|(_, hit)| least_t > hit.t.0[1]) {
-                continue;
-            }
-            let hit = match self.hit_of(ball.ball, is_cut) {
-                Answer::Miss => continue,
-                Answer::Unsure(low) => {
-                    second = second.min(low);
-                    continue;
-                }
-                Answer::Hit(hit) => hit,
-            };
-            let low = hit.t.0[0];
-            match best {
-                // Faces are all at one place, where the smaller sphere shows it, then the lower index.
-                Some((other, old)) if hit.root == Root::Face && old.root == Root::Face => {
-                    let key = |ball: NumberedBall| (ball.ball.radius, ball.id);
-                    if key(ball) < key(other) {
-                        best = Some((ball, hit));
-                    }
-                }
-                Some(_) if low >= least => second = second.min(low),
-                _ => {
-                    second = second.min(least);
-                    (best, least) = (Some((ball, hit)), low);
-                }
+            if least_t <= first.high() {
+                first.keep(self, ball, is_cut);
             }
         }
-        match best {
-            None => (second == f64::INFINITY).then_some(None),
-            Some((_, hit)) => (hit.t.0[1] < second).then_some(best),
-        }
+        first.found()
     }
 
     /// The factor from depths along the view axis to t of this ray, for a view of a plane.
     pub(crate) fn of_depth(&self, view: &View, at: [u32; 2]) -> f64 {
         let [_, _, z] = view.direction(at[0], at[1]);
         dd::ldexp(-1.0 / z, -self.ray.shift)
+    }
+
+    /// The normal at a hit, and its error as an angle; `None` where the plane of a face is not known.
+    fn normal(&self, planes: &EyePlanes, (ball, hit): (Ball, CutHit)) -> Option<([f64; 3], f64)> {
+        if let (Root::Face, Some((_, plane))) = (hit.root, self.entry) {
+            return Some((planes.normal(plane?), 0.0));
+        }
+        let ([low, high], t, length) = (hit.t.0, hit.t.middle(), self.ray.a.sqrt());
+        let p = self.ray.to(ball.center);
+        let outward: [f64; 3] = std::array::from_fn(|n| t * self.ray.direction[n] - p[n]);
+        let size = dot3(outward, outward).sqrt();
+        let sign = if hit.root == Root::Near { 1.0 / size } else { -1.0 / size };
+        let error = (high - low) * length
+            + 8.0 * EPS * (t * length + dot3(p, p).sqrt())
+            + self.ray.blur
+            + self.ray.tilt * t * length;
+        Some((outward.map(|x| x * sign), 2.0 * error / self.ray.radius(ball.radius)))
     }
 
     /// The answer for a hit whose t is known to `sharp` of itself, and, where that is finite, its normal; else `None`.
@@ -255,34 +329,26 @@ impl CutRay {
         (ball, hit): (NumberedBall, CutHit),
     ) -> Option<Truth> {
         let [low, high] = hit.t.0;
-        let (t, length) = (hit.t.middle(), self.ray.a.sqrt());
         if !(low > 0.0 && high - low < sharp * low) {
             return None;
         }
-        let (normal, turn) = match (hit.root, self.entry) {
-            (Root::Face, Some((_, plane))) => (planes.normal(plane), 0.0),
-            _ => {
-                let p = self.ray.to(ball.ball.center);
-                let outward: [f64; 3] = std::array::from_fn(|n| t * self.ray.direction[n] - p[n]);
-                let size = dot3(outward, outward).sqrt();
-                let sign = if hit.root == Root::Near { 1.0 / size } else { -1.0 / size };
-                let error = (high - low) * length
-                    + 8.0 * EPS * (t * length + dot3(p, p).sqrt())
-                    + self.ray.blur
-                    + self.ray.tilt * t * length;
-                (outward.map(|x| x * sign), 2.0 * error / self.ray.radius(ball.ball.radius))
-            }
-        };
+        let (normal, turn) = self.normal(planes, (ball.ball, hit))?;
         if turn.is_nan() || sharp < f64::INFINITY && turn >= TURNED {
             return None;
         }
-        let t = dd::ldexp(t, self.ray.shift);
+        let t = dd::ldexp(hit.t.middle(), self.ray.shift);
         let direction = view.direction(at[0], at[1]);
         let position = view.point(view.origin(at[0], at[1]), direction, t);
         let depth = -direction[2] * t;
         let distance = t * DVec3::from_array(direction).length();
         let is_finite = position.iter().chain([&t, &depth, &distance]).all(|x| x.is_finite());
         is_finite.then_some(Truth { id: ball.id, root: hit.root, t, distance, depth, normal, position, tangent: false })
+    }
+
+    /// The numbers of a hit of a given ray; `None` where the plane of a face is not known.
+    pub(crate) fn numbers(&self, planes: &EyePlanes, (ball, hit): (NumberedBall, CutHit)) -> Option<HitNumbers> {
+        let [low, high] = hit.t.0;
+        self.normal(planes, (ball.ball, hit)).map(|normal| self.ray.numbers_at([low, hit.t.middle(), high], normal))
     }
 
     /// The hit of one sphere, if f64 is certain of it.
@@ -358,28 +424,94 @@ fn across(normal: &[f64; 3], length: f64, ray: &CertifiedRay) -> [f64; 2] {
 impl CutRay {
     /// A ray from a hit that planes do not keep; `None` where f64 does not tell which part of it is kept.
     pub(crate) fn of_hit(planes: &PointPlanes, ray: CertifiedRay) -> Option<Self> {
-        let (mut entry, mut exit, mut is_empty) = (None, None, false);
-        for PointPlane { normal, length, gap: [low, high] } in &planes.planes {
+        Self::among(planes.planes.iter(), ray)
+    }
+
+    /// A given ray; `None` where f64 does not tell which part of it is kept.
+    pub(crate) fn of_given(planes: &EyePlanes, placement: &Placement, ray: CertifiedRay) -> Option<Self> {
+        let planes = planes.iter().map(|plane| {
+            let [gap, error] = plane.gap_at(ray.origin).map(|x| placement.radius(x));
+            let error = error * ROUNDED + TINY;
+            PointPlane { normal: plane.normal, length: plane.length, gap: [gap - error, gap + error] }
+        });
+        Self::among(planes, ray)
+    }
+
+    /// The part of a ray that planes keep, seen from its start.
+    fn among(planes: impl Iterator<Item: Borrow<PointPlane>>, ray: CertifiedRay) -> Option<Self> {
+        let mut found = Self { ray, entry: None, exit: None, is_empty: false };
+        let start = ray.placed();
+        let reach = (dot3(start, start).sqrt() + 4.0) * ROUNDED;
+        for (index, plane) in planes.enumerate() {
+            let PointPlane { normal, length, gap: [low, high] } = plane.borrow();
             let [den, error] = across(normal, *length, &ray);
-            if den > error && *high <= 0.0 {
-                is_empty = true;
+            // What is left of a plane that no part of the ray within reach of the spheres passes.
+            let passed = (den.abs() + error) * reach;
+            if passed < *low {
+                continue;
+            }
+            if passed < -high || den > error && *high <= 0.0 {
+                found.is_empty = true;
             } else if den > -error && *low > 0.0 {
-                let last = if den > error { high / (den - error) * ROUNDED } else { f64::INFINITY };
-                exit = Some(Between([low / (den + error) / ROUNDED, last]).by(exit, f64::min));
+                let last = if den > error { high / (den - error) * (1.0 + QUOTIENT) } else { f64::INFINITY };
+                let place = Between([low / (den + error) * (1.0 - QUOTIENT), last]);
+                found.exit = match found.exit {
+                    Some((exit, plane)) if exit.is_below(place) => Some((exit, plane)),
+                    Some((exit, _)) if !place.is_below(exit) => Some((place.by(exit, f64::min), None)),
+                    _ => Some((place, Some(index))),
+                };
             } else if den < -error && *high < 0.0 {
-                let place = Between([high / (den - error) / ROUNDED, low / (den + error) * ROUNDED]);
-                entry = Some(place.by(entry, f64::max));
+                let [first, last] = [high / (den - error), low / (den + error)];
+                let place = Between([first * (1.0 - QUOTIENT), last * (1.0 + QUOTIENT)]);
+                found.entry = match found.entry {
+                    Some((entry, plane)) if place.is_below(entry) => Some((entry, plane)),
+                    Some((entry, _)) if !entry.is_below(place) => Some((place.by(entry, f64::max), None)),
+                    _ => Some((place, Some(index))),
+                };
             } else if !(den < -error && *low >= 0.0) {
                 return None;
             }
         }
-        if let (Some(entry), Some(exit)) = (entry, exit) {
-            is_empty |= exit.is_below(entry);
-            if !is_empty && !entry.is_below(exit) {
+        if let (Some((entry, _)), Some((exit, _))) = (found.entry, found.exit) {
+            found.is_empty |= exit.is_below(entry);
+            if !found.is_empty && !entry.is_below(exit) {
                 return None;
             }
         }
-        Some(Self { ray, entry: entry.map(|entry| (entry, 0)), exit, is_empty })
+        Some(found)
+    }
+
+    /// A ray of which planes keep nothing: it meets only spheres that they spare.
+    pub(crate) fn beyond(ray: CertifiedRay) -> Self {
+        Self { ray, entry: None, exit: None, is_empty: true }
+    }
+
+    /// A ray of which planes keep all.
+    pub(crate) fn whole(ray: CertifiedRay) -> Self {
+        Self { ray, entry: None, exit: None, is_empty: false }
+    }
+
+    /// The place where a ray through the sphere of a point leaves it: by its surface, or, of a sphere that planes cut, by the plane where
+    /// what they keep ends.
+    pub(crate) fn leaving(&self, planes: &EyePlanes, from: &SurfacePoint, is_cut: bool) -> Leaving {
+        // A face lies inside of its sphere.
+        let inside = || self.ray.intersect(from.ball).unwrap_or(Bounds::UNKNOWN);
+        let bounds = if from.is_face { inside() } else { from.chord(&self.ray) };
+        let sphere = NumberedBall { id: from.id, ball: from.ball };
+        let root = Between([bounds.low, bounds.high]);
+        let by_surface = |sure| Leaving { t: root.0, point: SurfacePoint::met(&self.ray, &bounds, sphere), sure };
+        let Some((exit, plane)) = self.exit.filter(|_| is_cut) else { return by_surface(bounds.sure) };
+        match plane.filter(|_| exit.middle() < bounds.t) {
+            None => by_surface(bounds.sure && root.is_below(exit)),
+            Some(plane) => {
+                let [low, high] = exit.0;
+                let bounds = Bounds { low, high, t: exit.middle(), sure: true, outside: false };
+                let point = SurfacePoint::met(&self.ray, &bounds, sphere);
+                let inward = planes.normal(plane).map(|x| -x);
+                let point = SurfacePoint { outside: false, ..point.on_face(inward) };
+                Leaving { t: exit.0, point, sure: exit.is_below(root) }
+            }
+        }
     }
 
     /// Whether a sphere, which planes may cut, blocks the ray before its limit.
@@ -403,7 +535,7 @@ impl CutRay {
         let bounds = Bounds { low, high, t: hit.t.middle(), sure: true, outside: hit.root != Root::Far };
         let point = SurfacePoint::met(&self.ray, &bounds, ball);
         match (hit.root, self.entry) {
-            (Root::Face, Some((_, plane))) => point.on_face(planes.normal(plane)),
+            (Root::Face, Some((_, Some(plane)))) => point.on_face(planes.normal(plane)),
             _ => point,
         }
     }

@@ -292,19 +292,25 @@ impl CertifiedRay {
         let width = bounds.high - bounds.low;
         // The point is off by its t and by roundings of t d and p; scaling to unit length at most doubles the angle.
         let shift = width * length + 8.0 * EPS * (along + dot3(p, p).sqrt());
+        self.numbers_at([bounds.low, bounds.t, bounds.high], (outward.map(|x| x * sign), 2.0 * shift / r))
+    }
+
+    /// The numbers reported for a hit: from t and its bounds, the normal and its error as an angle.
+    #[inline(always)]
+    pub(crate) fn numbers_at(&self, [low, t, high]: [f64; 3], (normal, tilt): ([f64; 3], f64)) -> HitNumbers {
         HitNumbers {
-            t: dd::ldexp(bounds.t, self.shift),
-            distance: dd::ldexp(along, self.placement.k),
-            normal: outward.map(|x| x * sign),
-            error: width / bounds.low + GIVEN_TERMS.quotient,
-            tilt: 2.0 * shift / r,
+            t: dd::ldexp(t, self.shift),
+            distance: dd::ldexp(t * self.a.sqrt(), self.placement.k),
+            normal,
+            error: (high - low) / low + GIVEN_TERMS.quotient,
+            tilt,
         }
     }
 }
 
 impl Bounds {
     /// Bounds that decide nothing: a hit at any t, or none.
-    const UNKNOWN: Self = Self { low: 0.0, high: f64::INFINITY, t: 0.0, sure: false, outside: false };
+    pub(super) const UNKNOWN: Self = Self { low: 0.0, high: f64::INFINITY, t: 0.0, sure: false, outside: false };
 }
 
 /// `limit` 2^k between two numbers, which differ where f64 cannot hold it.

@@ -2,6 +2,7 @@
 //! the few spheres that are left.
 
 use super::foremost::Foremost;
+use super::given_cuts::GivenCuts;
 use crate::certify::given::{AnyHit, Bounds, CertifiedRay, HitNumbers};
 use crate::exact::{Truth, judge_ray_among};
 use crate::scene::Spheres;
@@ -29,6 +30,8 @@ pub(crate) struct Given<'a> {
     pub(crate) all: bool,
     /// The promised relative error of t.
     pub(crate) tolerance: f64,
+    /// The planes that cut spheres.
+    pub(crate) cuts: Option<&'a GivenCuts<'a>>,
 }
 
 /// Largest error of a certified normal, in radians: the promised 1e-3, less the rounding to f32.
@@ -65,6 +68,9 @@ impl Given<'_> {
         let Some((ray, boxes)) = self.ray(ray) else {
             return NearestHit::Miss;
         };
+        if let Some(cuts) = self.cuts {
+            return cuts.nearest(self, lanes, (&ray, &boxes), counts);
+        }
         let limit = boxes.limit(ray.limit[1]);
         let (tree, foremost) = (self.tree, Foremost::of(None));
         let mut search = NearestSearch { lanes, tree, ray: &ray, boxes: &boxes, counts, limit, foremost };
@@ -84,8 +90,17 @@ impl Given<'_> {
     #[inline(always)]
     fn hit(&self, ray: &CertifiedRay, place: usize, bounds: &Bounds) -> NearestHit {
         let numbers = ray.numbers(self.tree.ball(place), bounds);
-        let good = bounds.sure && numbers.error <= self.tolerance && numbers.tilt <= TILT;
-        if good { NearestHit::Hit { id: self.tree.ids[place], numbers } } else { NearestHit::Unsure }
+        if bounds.sure && self.is_good(&numbers) {
+            NearestHit::Hit { id: self.tree.ids[place], numbers }
+        } else {
+            NearestHit::Unsure
+        }
+    }
+
+    /// Whether the numbers of a hit are within the promised errors.
+    #[inline(always)]
+    pub(super) fn is_good(&self, numbers: &HitNumbers) -> bool {
+        numbers.error <= self.tolerance && numbers.tilt <= TILT
     }
 
     #[inline(always)]
@@ -93,6 +108,9 @@ impl Given<'_> {
         let Some((ray, boxes)) = self.ray(ray) else {
             return AnyHit::Free;
         };
+        if let Some(cuts) = self.cuts {
+            return cuts.any(self, lanes, (&ray, &boxes));
+        }
         let limit = boxes.limit(ray.limit[1]);
         let limits = [boxes.limit_below(ray.limit[0]), limit];
         let (tree, counts, found) = (self.tree, |_| true, AnyHit::Free);
@@ -130,7 +148,7 @@ impl Given<'_> {
     }
 
     #[inline(always)]
-    fn test_all(&self, test: &mut impl Test) {
+    pub(super) fn test_all(&self, test: &mut impl Test) {
         (0..self.tree.blocks.len() as u32).take_while(|block| test.test(*block) >= 0.0).for_each(drop);
     }
 
@@ -222,8 +240,11 @@ impl Test for NearestCandidates<'_, '_> {
         for place in self.given.tree.places(block) {
             let id = self.given.tree.ids[place];
             if let Some(bounds) = self.ray.intersect(self.given.tree.ball(place)).filter(|_| (self.counts)(id)) {
-                self.all.push((bounds.low, id));
-                if bounds.sure {
+                let changes = self.given.cuts.is_some_and(|cuts| cuts.changes(id));
+                // From inside, a face comes before the root.
+                let low = if changes && !bounds.outside { 0.0 } else { bounds.low };
+                self.all.push((low, id));
+                if bounds.sure && !changes {
                     self.nearest = self.nearest.min(bounds.high);
                 }
             }

@@ -5,8 +5,6 @@ use super::tone::{Tone, Toning};
 use crate::intersect::predict::Prediction;
 use crate::scene::camera::CameraRecord;
 use crate::scene::{CUT, CutPlane, REMOVED, Sky, Spheres};
-use halfline_ground::quote::count;
-use halfline_ground::quote::setting::CUT as SETTING_CUT;
 use serde::Serialize;
 use std::collections::BTreeMap;
 use web_time::Instant;
@@ -139,9 +137,7 @@ impl Report {
         self.spheres = spheres.len() as u64;
         self.cuts.clone_from(&cuts.planes);
         (self.spheres_cut, self.spheres_removed) = (cuts.count(CUT), cuts.count(REMOVED));
-        if self.spheres_removed == self.spheres {
-            self.warnings.push(format!("{SETTING_CUT} removes all {}", count(self.spheres, "sphere")));
-        }
+        self.warnings.extend(cuts.warning());
     }
 
     /// Exposure and curve of pictures in 8 and 16 bits.

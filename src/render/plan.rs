@@ -17,7 +17,7 @@ use crate::settings::{Accuracy, Search, Settings};
 use crate::shade::Shade;
 use choose::Choice;
 use halfline_ground::error::{Error, Result};
-use halfline_ground::quote::setting::{ACCURACY, APERTURE, BOUNCES, CLIP, METHOD};
+use halfline_ground::quote::setting::{ACCURACY, APERTURE, METHOD};
 use kind::EngineKind;
 
 /// The decisions for one scene and its settings, with their reasons.
@@ -89,22 +89,11 @@ impl Plan {
         if plan.sampled.is_some() {
             (plan.kernel.shade, plan.kernel.colors) = (None, false);
         }
-        plan.check_cuts(scene)?;
-        Ok(plan)
-    }
-
-    /// Refuses what planes that cut spheres do not reach yet: the rays of curved lenses, and those from mirrors and through glass.
-    fn check_cuts(&self, scene: &Scene) -> Result<()> {
-        let bounces = self.light_outputs.color && lights::bounces(scene) > 0;
-        if scene.spheres.cuts.is_none() || self.given.is_none() && !bounces {
-            return Ok(());
+        // A method takes spheres for whole.
+        if scene.spheres.cuts.is_some() && plan.accuracy == Accuracy::Fast {
+            return Err(choose::cut_by_method());
         }
-        let (what, mend) = match self.given {
-            Some(_) => ("a curved lens", "use another lens".to_owned()),
-            None => ("mirrors and glass", format!("use other materials, or {BOUNCES} 0, which shades them as matte")),
-        };
-        let problem = format!("planes cut some spheres, and {what} would show them whole");
-        Err(Error::settings(problem, format!("{mend}, or remove the planes: {CLIP} leaves spheres out instead")))
+        Ok(plan)
     }
 
     /// The plan for viewing rays through a plane, as far as hits go.

@@ -3,6 +3,7 @@
 use super::engine::{Engine, EverySphere, Exact, Found, GivenRays, Resident, Strips, ViewRays};
 use super::log::FrameLog;
 use super::order::Ordered;
+use super::place::CUT;
 use super::plan::Plan;
 use super::plan::kind::EngineKind;
 use super::renderer::NOTHING;
@@ -35,9 +36,6 @@ enum ResidentSetup {
     /// The camera does not allow it.
     Refused(Plan),
 }
-
-/// The reason for the CPU path where planes cut spheres.
-const CUT: &str = "the host decides spheres that planes cut";
 
 /// The reason for the CPU path where f32 on a device cannot place the spheres.
 const NOT_PLACED: &str = "the device cannot place these spheres for this camera";

@@ -8,7 +8,8 @@ mod on_device;
 mod tests;
 
 use super::budget;
-use super::plan::GivenPlan;
+use super::place::{CUT, INSTEAD};
+use super::plan::{GivenPlan, choose};
 use super::renderer::Renderer;
 use crate::answers::settle::Settled;
 use crate::cpu;
@@ -18,7 +19,7 @@ use crate::scene::Spheres;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Backend, Search, Settings};
 pub use crate::view::given::Rays;
-use halfline_ground::error::{Error, Result};
+use halfline_ground::error::Result;
 use halfline_ground::memory::zeroed;
 use halfline_ground::parallel;
 pub(super) use on_device::OnDevice;
@@ -104,7 +105,7 @@ impl<'a> Tracer<'a> {
     /// the promised relative error, the normal within 1e-3 rad.
     ///
     /// # Errors
-    /// [`Error::Settings`] for invalid rays, [`Error::Interrupted`], and errors of the device.
+    /// [`crate::Error::Settings`] for invalid rays, [`crate::Error::Interrupted`], and errors of the device.
     pub fn hits(&mut self, rays: &Rays) -> Result<Hits> {
         rays.check()?;
         self.answered(|this| this.answers(rays)).map(|(hits, _)| hits)
@@ -225,7 +226,7 @@ impl Renderer {
     /// fast.
     ///
     /// # Errors
-    /// [`Error::Scene`] for invalid spheres, [`Error::Settings`] for a contradiction, [`Error::Limits`] for more spheres
+    /// [`crate::Error::Scene`] for invalid spheres, [`crate::Error::Settings`] for a contradiction, [`crate::Error::Limits`] for more spheres
     /// than a method tests in useful time.
     pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
         spheres.check()?;
@@ -257,15 +258,18 @@ impl Renderer {
     /// # Errors
     /// As [`Renderer::tracer`].
     pub(super) fn given_place(&mut self, spheres: &Spheres, settings: &Settings) -> Result<GivenPlace> {
-        if spheres.cuts.is_some() {
-            let problem = "planes cut some spheres, and given rays take them for whole";
-            return Err(Error::settings(problem, "trace the spheres without cuts"));
-        }
         let plan = GivenPlan::new(settings, spheres.len())?;
+        let is_cut = spheres.cuts.is_some();
+        if is_cut && !plan.certifies() {
+            return Err(choose::cut_by_method());
+        }
         let load = budget::on_device(spheres.len(), &plan.kernel, 0);
-        let warning = self
-            .blocker(load, plan.accuracy, settings.backend)
-            .or_else(|error| self.device.leave(error, settings.backend).map(Some))?;
+        let warning = match is_cut && self.is_gpu() {
+            true => Some(format!("{CUT}: {INSTEAD}")),
+            false => self
+                .blocker(load, plan.accuracy, settings.backend)
+                .or_else(|error| self.device.leave(error, settings.backend).map(Some))?,
+        };
         // Exact answers come from the CPU path with every backend.
         let on_device = self.is_gpu() && warning.is_none() && plan.accuracy != Accuracy::Exact;
         Ok(GivenPlace { plan, on_device, warning })

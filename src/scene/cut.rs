@@ -6,6 +6,8 @@ use crate::dyadic::{self, Dyadic};
 use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::check;
 use halfline_ground::parallel::{self, CHEAP};
+use halfline_ground::quote::count;
+use halfline_ground::quote::setting::CUT as CUT_SETTING;
 use serde::Serialize;
 use std::cmp::Ordering;
 
@@ -146,6 +148,13 @@ impl Cuts {
     #[must_use]
     pub fn count(&self, flag: u8) -> u64 {
         parallel::count(self.of.len(), |n| self.of[n] == flag) as u64
+    }
+
+    /// A warning where planes remove all spheres.
+    #[must_use]
+    pub fn warning(&self) -> Option<String> {
+        let all = self.of.len() as u64;
+        (self.count(REMOVED) == all).then(|| format!("{CUT_SETTING} removes all {}", count(all, "sphere")))
     }
 
     /// Whether a sphere is whole beyond planes.

@@ -6,7 +6,7 @@ use crate::given_families::{Family, families};
 use crate::rng::Rng;
 use glam::DVec3;
 use halfline::frame::Aov;
-use halfline::scene::Spheres;
+use halfline::scene::{CutPlane, Spheres};
 use halfline::settings::{Accuracy, Backend, Search, Settings};
 use halfline::{Hits, Occlusion, Rays, Renderer};
 
@@ -96,6 +96,77 @@ fn certified_rays_are_exact_at_the_extremes() {
                 compare(&format!("{} {}", backend.name(), search.name()), &family, &certified, &exact);
             }
         }
+    }
+}
+
+/// The families with planes that are hard for their rays: through points of rays, origins, centres and tangents, along rays, in pairs.
+fn cut_families() -> Vec<Family> {
+    let mut all = families(4, 1000);
+    for (k, family) in all.iter_mut().enumerate() {
+        let mut rng = Rng::new(0xc07 + k as u64);
+        let (hits, _) = trace(&mut cpu(), family, Accuracy::Certified, Search::Tree);
+        let met: Vec<usize> = (0..hits.id.len()).filter(|n| hits.id[*n] >= 0 && hits.t[*n].is_finite()).collect();
+        let Some(&ray) = met.get(rng.below(met.len().max(1))) else { continue };
+        let [origin, along] = [family.origins[ray], family.directions[ray]].map(DVec3::from_array);
+        let ball = hits.id[ray] as usize;
+        let (center, radius) = (DVec3::from_array(family.spheres.centers[ball]), family.spheres.radii[ball]);
+        let (any, unit) = (DVec3::from_array(rng.cube()), along / along.abs().max_element());
+        let plane = |normal: DVec3, point: DVec3| CutPlane { normal: normal.into(), distance: normal.dot(point) };
+        let hit = origin + along * hits.t[ray];
+        let planes = [
+            vec![plane(any, hit)],
+            vec![plane(unit, center)],
+            vec![plane(-unit, center)],
+            vec![plane(any.cross(unit), origin)],
+            vec![plane(DVec3::X, center + DVec3::X * radius)],
+            vec![plane(-unit, center), plane(-unit + 1e-9 * any, center)],
+            vec![plane(any, center), plane(-any, center - any * radius)],
+        ];
+        let planes: Vec<CutPlane> =
+            planes[k % 7].iter().copied().filter(|plane| plane.check(Default::default).is_ok()).collect();
+        let may: Vec<bool> = (0..family.spheres.len()).map(|n| n % 7 != 3).collect();
+        family.spheres.cut(&planes, Some(&may)).expect("planes");
+    }
+    all.retain(|family| family.spheres.cuts.is_some());
+    all
+}
+
+/// Given rays among spheres that planes cut: ids, t, normals and limits of the judge's, from a tree and without.
+#[test]
+fn rays_among_cut_spheres_are_exact() {
+    let (mut rays, mut families) = (0, 0);
+    for mut family in cut_families() {
+        families += 1;
+        for round in 0..2 {
+            let exact = trace(&mut cpu(), &family, Accuracy::Exact, Search::All);
+            for search in [Search::Tree, Search::All] {
+                let certified = trace(&mut cpu(), &family, Accuracy::Certified, search);
+                compare(&format!("cut {round} {}", search.name()), &family, &certified, &exact);
+            }
+            rays += family.limits.len();
+            // Then with limits at and beside the hits.
+            for (n, limit) in family.limits.iter_mut().enumerate() {
+                let t = if exact.0.id[n] < 0 { 1.0 } else { exact.0.t[n] };
+                *limit = [t, t.next_up(), t.next_down(), t * 0.5, t * 1.5][n % 5];
+            }
+        }
+    }
+    println!("{rays} rays of {families} families");
+    assert!(families > 5, "{families}");
+}
+
+/// A device leaves cut spheres to the CPU path, with a warning; a method is refused.
+#[test]
+fn cut_spheres_are_traced_on_the_host() {
+    let family = cut_families().swap_remove(0);
+    for (backend, mut renderer) in renderers() {
+        let settings = Settings { backend, ..settings(Accuracy::Certified, Search::Auto) };
+        let tracer = renderer.tracer(&family.spheres, &settings).expect("valid spheres");
+        assert!(!tracer.is_gpu());
+        assert_eq!(tracer.warning().is_some_and(|warning| warning.contains("planes cut")), backend != Backend::Cpu);
+        let fast = Settings { accuracy: Accuracy::Fast, ..settings };
+        let error = renderer.tracer(&family.spheres, &fast).map(drop).expect_err("a method").to_string();
+        assert!(error.contains("planes cut some spheres"), "{error}");
     }
 }
 

@@ -27,6 +27,7 @@ mod by_method;
 mod cloud;
 mod crop;
 mod curved;
+mod cut_mirrors;
 mod cuts;
 mod depth_of_field;
 mod eclipse;

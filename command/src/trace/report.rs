@@ -4,8 +4,8 @@ use halfline::error::Error;
 use halfline::quote::{count, number};
 use halfline::render::trace::echoes::Echoes;
 use halfline::render::trace::{Hits, Occlusion, Tracer};
-use halfline::scene::Spheres;
 use halfline::scene::lidar::{Beam, Lidar};
+use halfline::scene::{CUT, CutPlane, Cuts, REMOVED, Spheres};
 use halfline::settings::Accuracy;
 use halfline_files::read::rays::RayBlock;
 use halfline_files::write::hits::CloudSummary;
@@ -69,8 +69,11 @@ impl Tally {
                 "{invalid} of {rays} are invalid and counted as misses, with certainty 255; the first: {first}"
             ));
         }
+        let all_removed = spheres.cuts.as_ref().and_then(Cuts::warning);
         if self.rays == 0 {
             warnings.push("there are no rays".into());
+        } else if all_removed.is_some() {
+            warnings.extend(all_removed);
         } else if spheres.is_empty() {
             warnings.push("the scene has no spheres, so no ray hits anything".into());
         } else if self.hits == 0 {
@@ -97,6 +100,12 @@ pub(super) struct TraceReport {
     pub(super) spheres: u64,
     /// Objects of the scene file that are not spheres and were left out.
     pub(super) skipped: u64,
+    /// The planes that cut spheres.
+    pub(super) cuts: Vec<CutPlane>,
+    /// Spheres that a plane cuts.
+    pub(super) spheres_cut: u64,
+    /// Spheres that lie wholly beyond a plane.
+    pub(super) spheres_removed: u64,
     /// Whether any hit was asked for instead of the nearest one.
     pub(super) any: bool,
     /// Rays, the invalid ones included.
@@ -213,15 +222,20 @@ impl Cloud {
 
 impl TraceReport {
     /// The report of what was counted.
-    pub(super) fn new(tracer: &Tracer<'_>, tally: Tally, any: bool) -> Self {
+    pub(super) fn new(spheres: &Spheres, tracer: &Tracer<'_>, tally: Tally, any: bool) -> Self {
+        let cuts = spheres.cuts.as_ref();
+        let counted = |flag: u8| cuts.map_or(0, |cuts| cuts.count(flag));
         let seconds = tally.trace_ms.iter().sum::<f64>() / 1e3;
         let share = |part: f64, whole: f64| if whole > 0.0 { part / whole } else { 0.0 };
         Self {
             schema: "halfline-trace",
             version: 1,
             halfline: env!("CARGO_PKG_VERSION"),
-            spheres: 0,
+            spheres: spheres.len() as u64,
             skipped: 0,
+            cuts: cuts.map(|cuts| cuts.planes.clone()).unwrap_or_default(),
+            spheres_cut: counted(CUT),
+            spheres_removed: counted(REMOVED),
             any,
             rays: tally.rays,
             hits: tally.hits,

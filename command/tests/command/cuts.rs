@@ -107,6 +107,37 @@ fn marks_see_through_what_is_removed() {
     assert!(err("").contains(hidden) && !err("--cut 0,0,1,6").contains(hidden), "{}", err("--cut 0,0,1,6"));
 }
 
+/// Given rays meet faces, in every format of planes; whether anything is hit counts them.
+#[test]
+fn given_rays_meet_faces() {
+    let toml = "[camera]\neye = [0, 0, 40]\nview = [0, 0, -1]\nup = [0, 1, 0]\nheight = 20\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 4\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 2\n
+[[sphere]]\ncenter = [0, 0, 9]\nradius = 1\n[[sphere]]\ncenter = [7, 0, -3]\nradius = 1\n[[cut]]\nnormal = [0, 0, 1]\ndistance = 1\n";
+    let rays = "0,0,40,0,0,-1,inf\n3,0,40,0,0,-2,inf\n0,0,40,0,0,-1,39\n0,0,40,0,0,-1,40\n";
+    let dir = TestDir::new(&[("n.csv", NESTED), ("s.toml", toml), ("r.csv", rays)]);
+    let traced = |line: &str| dir.good(&words(&format!("trace {line} --rays r.csv -o -"))).text();
+    // The face of the core in that of the shell, at z = 1; a limit at the face excludes it.
+    let hits = "id,t,distance,nx,ny,nz,certainty\n1,39.0,39.0,0.0,0.0,1.0,0\n0,19.5,39.0,0.0,0.0,1.0,0\n-1,inf,inf,0.0,0.0,0.0,";
+    let plain = traced("n.csv --cut 0,0,1,1");
+    assert!(plain.starts_with(hits) && plain.contains("\n1,39.0,39.0,0.0,0.0,1.0,0\n"), "{plain}");
+    for line in ["s.toml", "n.csv --cut-slab 0,0,2,-99,2"] {
+        assert_eq!(traced(line), plain, "{line}");
+    }
+    // Through the centre of the core, which is 1 before the plane.
+    assert!(traced("n.csv --cut-at kind~core:0,0,3").contains("\n1,40.0,40.0,0.0,0.0,1.0,0\n"));
+    assert_eq!(traced("n.csv --cut 0,0,1,1 --any").lines().map(|line| &line[..1]).collect::<String>(), "h1101");
+    // The others stay whole: the one beyond, and the shell at z = sqrt 7.
+    let spared = traced("n.csv --cut 0,0,1,1 --cut-only kind~core");
+    assert!(spared.contains("\n2,30.0,30.0,") && spared.contains("\n0,18.677"), "{spared}");
+    let report = dir.good("trace n.csv --cut 0,0,1,1 --rays r.csv --json").json();
+    assert_eq!([&report["spheres_cut"], &report["spheres_removed"]].map(|n| n.as_u64()), [2, 1].map(Some));
+    let refused = |code: i32, line: &str, parts: &[&str]| {
+        dir.refused(code, &words(&format!("trace {line} --rays r.csv -o a.csv")), parts);
+    };
+    refused(2, "n.csv --cut-at kind~core", &["--cut-at", "no view", "EXPR:X,Y,Z"]);
+    refused(2, "n.csv --cut 0,0,1,1 --accuracy fast", &["planes cut some spheres", "--accuracy"]);
+    assert!(dir.good("trace n.csv --cut 0,0,1,-50 --rays r.csv --json").err.contains("--cut removes all 4 spheres"));
+}
+
 #[test]
 fn what_cannot_be_cut_has_words() {
     let bad = "[camera]\neye = [0, 0, 40]\nview = [0, 0, -1]\nup = [0, 1, 0]\nheight = 20\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n

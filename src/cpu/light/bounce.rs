@@ -2,13 +2,16 @@
 
 use super::super::foremost::Foremost;
 use super::super::given_certified::NearestSearch;
+use super::super::given_cuts::FirstOfCut;
+use super::super::hidden::HitCuts;
 use super::lighting::LightingContext;
 use super::point::PointLight;
 use super::surface::Surface;
 use crate::answers::open_sky::SkySums;
+use crate::certify::cut::{CutRay, FirstHit, Leaving, PointPlanes};
 use crate::certify::given::CertifiedRay;
 use crate::certify::surface::SurfacePoint;
-use crate::scene::{Material, NumberedBall};
+use crate::scene::{Cuts, Material, NumberedBall};
 use crate::search::tree::lanes::{Lanes, Work, dispatch};
 use crate::search::tree::walk::walk;
 use crate::search::tree::{BoxRay, Tree};
@@ -58,7 +61,7 @@ pub(super) fn follow(
     };
     push(waiting, lighting, &first, &point, at);
     while let Some(ray) = waiting.pop() {
-        let (hit, sure) = ray.nearest(lighting.tree);
+        let (hit, sure) = ray.nearest(lighting);
         let known = ray.proved && sure;
         proved &= known;
         let Some(hit) = hit else {
@@ -143,7 +146,46 @@ fn push(
 
 impl Onward {
     /// The point that it meets first, and whether that is certain.
-    fn nearest(&self, tree: &Tree) -> (Option<SurfacePoint>, bool) {
+    fn nearest(&self, lighting: &LightingContext<'_>) -> (Option<SurfacePoint>, bool) {
+        match &lighting.cuts {
+            None => self.nearest_whole(lighting.tree),
+            Some(cuts) => self.nearest_cut(lighting, cuts),
+        }
+    }
+
+    /// The same among spheres that planes cut.
+    fn nearest_cut(&self, lighting: &LightingContext<'_>, cuts: &HitCuts<'_>) -> (Option<SurfacePoint>, bool) {
+        let (tree, from) = (lighting.tree, &self.from);
+        let ray = from.onward(&tree.placement, self.along.to_array(), self.tilt);
+        let Some(boxes) = BoxRay::new(ray.placed(), ray.direction, ray.doubt()) else {
+            return (None, true);
+        };
+        // What leaves a face leaves what planes keep.
+        let kept = match from.is_face && !self.within {
+            true => Some(CutRay::beyond(ray)),
+            false => {
+                let mut planes = PointPlanes::default();
+                planes.begin(&cuts.planes, &tree.placement, from, !cuts.cuts.is_spared(from.id));
+                CutRay::of_hit(&planes, ray)
+            }
+        };
+        let is_known = kept.is_some();
+        let kept = kept.unwrap_or_else(|| CutRay::whole(ray));
+        let own = self.within.then(|| kept.leaving(&cuts.planes, from, cuts.cuts.is_cut(from.id)));
+        let limit = boxes.limit(own.as_ref().map_or(f64::INFINITY, |own| own.t[1]));
+        let first = dispatch(FirstOf { tree, cuts: cuts.cuts, kept: &kept, boxes: &boxes, from, limit });
+        let is_first = |high: f64, own: &Leaving| high < own.t[0];
+        match (first.best(), own) {
+            (Some((ball, hit, [_, high])), own) if own.as_ref().is_none_or(|own| high <= own.t[1]) => {
+                let sure = first.found().is_some() && own.is_none_or(|own| is_first(high, &own));
+                (Some(kept.point(&cuts.planes, ball, hit)), is_known && sure)
+            }
+            (_, Some(own)) => (Some(own.point), is_known && own.sure && own.t[1] < first.low()),
+            _ => (None, is_known && first.low() == f64::INFINITY),
+        }
+    }
+
+    fn nearest_whole(&self, tree: &Tree) -> (Option<SurfacePoint>, bool) {
         let ray = self.from.onward(&tree.placement, self.along.to_array(), self.tilt);
         let Some(boxes) = BoxRay::new(ray.placed(), ray.direction, ray.doubt()) else {
             return (None, true);
@@ -160,6 +202,29 @@ impl Onward {
             place => NumberedBall { id: tree.ids[place], ball: tree.ball(place) },
         };
         (Some(SurfacePoint::met(&ray, &bounds, sphere)), rival > bounds.high)
+    }
+}
+
+/// The search for the first hit of one ray among spheres that planes cut, without the one that it starts from.
+struct FirstOf<'a> {
+    tree: &'a Tree,
+    cuts: &'a Cuts,
+    kept: &'a CutRay,
+    boxes: &'a BoxRay,
+    from: &'a SurfacePoint,
+    limit: f32,
+}
+
+impl Work for FirstOf<'_> {
+    type Output = FirstHit;
+
+    #[inline(always)]
+    fn work<L: Lanes>(self, lanes: L) -> FirstHit {
+        let Self { tree, cuts, kept, boxes, from, limit } = self;
+        let counts = |place: usize| tree.ball(place) != from.ball;
+        let mut search = FirstOfCut { lanes, tree, cuts, kept, boxes, counts, limit, first: FirstHit::default() };
+        walk::<false, _>(lanes, tree, boxes, limit, &mut search);
+        search.first
     }
 }
 

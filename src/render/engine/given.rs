@@ -5,17 +5,19 @@ use crate::answers::layers::Layers;
 use crate::answers::raw::Raw;
 use crate::answers::settle::Settled;
 use crate::cpu::given_certified::{Given, NearestHit};
+use crate::cpu::given_cuts::GivenCuts;
 use crate::double_double as dd;
 use crate::exact::Truth;
 use crate::frame::Aov;
+use crate::render::place::CUT;
 use crate::render::plan::GivenPlan;
 use crate::render::rendering::Rendering;
 use crate::render::trace::{Hits, OnDevice, Rays, Tracer};
 use crate::scene::Scene;
 use crate::search::tree::Tree;
 use crate::settings::{Accuracy, Search, Settings};
-use crate::shade::color_of;
 use crate::view::View;
+use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
 use glam::{DVec3, Vec3};
 use halfline_ground::error::{Error, Result};
@@ -96,7 +98,11 @@ impl Engine for GivenRays {
         let (count, watch) = (all.directions.len(), renderer.watch.clone());
         let mut plan = self.plan.clone();
         plan.kernel.normal = kernel.has_normals();
-        let on_device = renderer.is_gpu() && plan.accuracy == Accuracy::Certified;
+        let is_cut = scene.spheres.cuts.is_some();
+        if is_cut && renderer.is_gpu() {
+            log.refuse(CUT);
+        }
+        let on_device = renderer.is_gpu() && plan.accuracy == Accuracy::Certified && !is_cut;
         let device = on_device.then(|| self.device.take().unwrap_or_default());
         let promise = (self.tolerance, self.bounds && kernel.t);
         let mut tracer = Tracer::of_frame(renderer, &scene.spheres, plan, (self.tree.clone(), device), promise);
@@ -135,7 +141,9 @@ impl Engine for GivenRays {
         let Some(tree) = &self.tree else { return Ok(vec![vec![NONE; count]; layers.more as usize]) };
         let all = PixelRays::of(view);
         let rays = &all.part(0..count);
-        let given = Given { tree, rays, all: self.plan.search == Search::All, tolerance: self.tolerance };
+        let cuts = scene.spheres.cuts.as_ref().map(GivenCuts::new);
+        let (all, tolerance) = (self.plan.search == Search::All, self.tolerance);
+        let given = Given { tree, rays, all, tolerance, cuts: cuts.as_ref() };
         let next = |pixel: usize, found: &[u32]| -> Option<u32> {
             let ray = rays.ray(pixel);
             let counts = |id: u32| !found.contains(&id) && layers.counts(&scene.spheres, pixel, id);
@@ -170,14 +178,18 @@ fn write(of: ViewRays<'_>, (first, rays): (usize, &Rays<'_>), hits: &Hits, raw: 
         normals.copy_from_slice(own.as_flattened());
     }
     if let (Some(shade), Some(colors)) = (kernel.shade, raw.color.get_mut(triples)) {
-        let own = |id| color_of(scene.spheres.colors.as_deref(), id);
+        let shown = PictureRays::new(view, scene.spheres.cuts.as_ref());
+        let own = |n: usize, id: u32| {
+            let is_face = || shown.hit((first + n) as u32, scene.spheres.ball(id), true).face;
+            scene.spheres.color(id, scene.spheres.is_cut(id) && is_face())
+        };
         let normal = |n: usize| hits.normal.as_ref().map_or(DVec3::ZERO, |normals| Vec3::from(normals[n]).as_dvec3());
         parallel::each(colors.as_chunks_mut::<3>().0, |n, color| {
             *color = match hits.id[n] {
                 ..0 => scene.image.background,
                 id => {
                     let (along, normal) = (DVec3::from_array(rays.directions[n]), normal(n));
-                    shade.in_world(normal, -normal.dot(along) / along.length(), own(id as u32))
+                    shade.in_world(normal, -normal.dot(along) / along.length(), own(n, id as u32))
                 }
             };
         });

@@ -40,10 +40,7 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
             (Accuracy::Auto | Accuracy::Certified, None) => {
                 Ok(choice(Accuracy::Certified, None, "spheres that planes cut are certified".into()))
             }
-            _ => {
-                let problem = "planes cut some spheres, and an answer without a proof takes them for whole";
-                Err(Error::settings(problem, format!("remove {METHOD} or {ACCURACY}")))
-            }
+            _ => Err(cut_by_method()),
         };
     }
     let is_parallel = scene.camera.lens.is_orthographic();
@@ -118,6 +115,12 @@ pub(super) fn choose(scene: &Scene, settings: &Settings, admits: &mut dyn FnMut(
             choice(stated, method, format!("accuracy {} is requested", stated.name()))
         }
     })
+}
+
+/// The error of an answer without a proof where planes cut spheres.
+pub(in crate::render) fn cut_by_method() -> Error {
+    let problem = "planes cut some spheres, and an answer without a proof takes them for whole";
+    Error::settings(problem, format!("remove {METHOD} or {ACCURACY}"))
 }
 
 /// The cheapest method whose predicted errors stay within `tolerance`; certified if there is none, or none cheaper.

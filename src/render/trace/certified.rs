@@ -5,6 +5,7 @@ use crate::answers::assemble::{STEPS, settled_bound};
 use crate::answers::settle::Settled;
 use crate::certify::given::AnyHit;
 use crate::cpu::given_certified::{Given, NearestHit, Query};
+use crate::cpu::given_cuts::GivenCuts;
 use crate::exact::Truth;
 use crate::scene::Spheres;
 use crate::settings::{Accuracy, Search};
@@ -73,7 +74,9 @@ impl Tracer<'_> {
         let Some(tree) = tree else {
             return Ok(Vec::new());
         };
-        let given = Given { tree, rays, all: plan.search == Search::All, tolerance: *tolerance };
+        let cuts = spheres.cuts.as_ref().map(GivenCuts::new);
+        let (all, tolerance) = (plan.search == Search::All, *tolerance);
+        let given = Given { tree, rays, all, tolerance, cuts: cuts.as_ref() };
         let answering = Answering { given, spheres, watch: &renderer.watch, write };
         let is_exact = plan.accuracy == Accuracy::Exact;
         let block = (spheres.len() / SPHERES_PER_RAY).max(LEAST);
