@@ -21,6 +21,7 @@ use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Cell, Framing, Scene};
 use halfline::settings::{Backend, Settings};
 use halfline_drawing::inset::Panels;
+use halfline_files::read::cut::CutRules;
 use halfline_files::read::matte::MatteNames;
 use halfline_files::read::style::Coloring;
 use halfline_files::read::{Keep, ReadOptions, SceneFrame};
@@ -137,6 +138,12 @@ impl Choices {
     #[must_use]
     pub fn size(&self) -> Option<(u32, u32)> {
         self.args.size()
+    }
+
+    /// The planes that cut spheres.
+    #[must_use]
+    pub fn cuts(&self) -> CutRules {
+        self.args.cut.rules()
     }
 
     /// The settings for these buffers that do not depend on a scene.

@@ -21,8 +21,6 @@ use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
 use halfline::progress::{Cancel, Progress, Step};
-use halfline::quote::quote;
-use halfline::quote::setting::CUT_AT;
 use halfline::render::Renderer;
 use halfline::render::trace::echoes::Echoes;
 use halfline::render::trace::{Hits, Occlusion, Tracer};
@@ -230,12 +228,7 @@ impl Trace {
         let frame = sequence.next_scene()?;
         let mut frame = frame.ok_or_else(|| sequence.nothing())?;
         arrange(&self.read, &mut frame)?;
-        let rules = self.cut.rules();
-        if let Some(at) = rules.at.iter().find(|at| at.direction.is_none()) {
-            let problem = format!("{CUT_AT} {}: given rays have no view", quote(&at.selection.to_string()));
-            return Err(Error::settings(problem, format!("give the side to remove: {CUT_AT} EXPR:X,Y,Z")));
-        }
-        frame.cut(&rules)?;
+        frame.cut_for_rays(&self.cut.rules())?;
         Ok((frame, sequence.files().to_vec()))
     }
 }

@@ -352,7 +352,7 @@ def trace(
     directions: NDArray[np.float64],
     limits: NDArray[np.float64] | None,
     any: bool,
-    accuracy: dict[str, Any],
+    options: dict[str, Any],
     search: str,
     progress: Report | None,
 ) -> tuple[NDArray[Any], ...]: ...

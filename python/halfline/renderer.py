@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, fields
-from typing import Any, Literal, Unpack, overload
+from typing import Any, Literal, TypedDict, Unpack, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,17 @@ from .frame import Frame
 from .options import Options
 from .parts import Part
 from .scene import Scene
+
+
+class Cuts(TypedDict, total=False):
+    """Keywords of `Renderer.trace` and `Renderer.scan` for planes that cut spheres, as those of
+    `Renderer.render`.
+    """
+
+    cut: ArrayLike
+    cut_slab: ArrayLike
+    cut_at: str | Iterable[str]
+    cut_only: str | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -244,6 +255,7 @@ class Renderer:
         search: Literal["auto", "all", "tree"] = "auto",
         tolerance: float | None = None,
         progress: bool | Callback = False,
+        **cuts: Unpack[Cuts],
     ) -> Hits: ...
 
     @overload
@@ -260,6 +272,7 @@ class Renderer:
         search: Literal["auto", "all", "tree"] = "auto",
         tolerance: float | None = None,
         progress: bool | Callback = False,
+        **cuts: Unpack[Cuts],
     ) -> Occlusion: ...
 
     def trace(
@@ -275,6 +288,7 @@ class Renderer:
         search: Literal["auto", "all", "tree"] = "auto",
         tolerance: float | None = None,
         progress: bool | Callback = False,
+        **cuts: Unpack[Cuts],
     ) -> Hits | Occlusion:
         """Traces given rays origin + t direction with 0 < t < tmax.
 
@@ -295,6 +309,8 @@ class Renderer:
             search: How candidates are found; the answers do not depend on it.
             tolerance: The allowed relative error of t.
             progress: As for `render`.
+            **cuts: Planes that cut spheres, as for `render`; ``cut_at`` says where the removed side
+                is, as in ``"all:0,0,1"``.
 
         Returns:
             `Hits`, or with ``any`` an `Occlusion`.
@@ -319,7 +335,12 @@ class Renderer:
             if given.ndim and given.shape != shape:
                 raise ValueError(f"tmax has the shape {given.shape}; give {shape}, or one number")
             limits = array("tmax", np.broadcast_to(given, shape).reshape(-1), np.float64, "(n,)")
-        accurate = {"accuracy": accuracy, "method": method, "tolerance": tolerance}
+        if unknown := cuts.keys() - Cuts.__annotations__.keys():
+            names = ", ".join(Cuts.__annotations__)
+            raise TypeError(
+                f"trace takes no {min(unknown)!r}; of the options for spheres it takes {names}"
+            )
+        accurate = {"accuracy": accuracy, "method": method, "tolerance": tolerance, **cuts}
         with reporter(progress) as report:
             answers = _halfline.trace(
                 self._native,
@@ -359,6 +380,7 @@ class Renderer:
         *,
         accuracy: Literal["auto", "fast", "certified", "exact"] = "auto",
         progress: bool | Callback = False,
+        **cuts: Unpack[Cuts],
     ) -> Hits | Echoes:
         """The sweep of a spinning scanner, as ``halfline trace --pattern``.
 
@@ -373,6 +395,7 @@ class Renderer:
             camera: The pose of the scanner: its eye, view and up; by default that of the scene.
             accuracy: As for `Renderer.trace`.
             progress: As for `Renderer.render`.
+            **cuts: As for `Renderer.trace`.
 
         Returns:
             `Hits` of the shape (rings, azimuths); or the `Echoes` of a pattern with a divergence or
@@ -394,7 +417,9 @@ class Renderer:
         rings, azimuths, _ = beams.shape
         eye: list[float] = json.loads(pose.record((1, 1)))["eye"]
         rays = beams.directions(pose)
-        hits = self.trace(scene, eye, rays, beams.range, accuracy=accuracy, progress=progress)
+        hits = self.trace(
+            scene, eye, rays, beams.range, accuracy=accuracy, progress=progress, **cuts
+        )
         if beams.has_echoes:
             x, y, z = eye
             arrays = (hits.id, hits.distance, hits.normal, hits.certainty)

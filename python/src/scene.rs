@@ -11,6 +11,7 @@ use halfline::scene::{Cell, Framing, ImagePlane, check_color, is_opacity};
 use halfline::settings::FileLook;
 use halfline::{Camera as CoreCamera, Error, Scene as CoreScene, Spheres};
 use halfline_command::choices::{ChosenScene, in_keywords};
+use halfline_files::read::cut::CutRules;
 use halfline_files::read::{FrameTime, SceneFrame, Selection};
 use halfline_files::write::file::check_writable;
 use halfline_files::write::glb;
@@ -94,6 +95,13 @@ impl Scene {
             colored_by: self.colored_by.as_deref(),
             part: None,
         })
+    }
+
+    /// The frame with its planes and these, which cut spheres for given rays.
+    pub(crate) fn cut_for_rays(&self, rules: &CutRules) -> halfline::Result<SceneFrame> {
+        let mut frame = self.frame.clone();
+        frame.cut_for_rays(rules)?;
+        Ok(frame)
     }
 
     /// The spheres.

@@ -99,13 +99,14 @@ pub(crate) fn trace<'py>(
     directions: PyReadonlyArrayDyn<'py, f64>,
     limits: Option<PyReadonlyArrayDyn<'py, f64>>,
     any: bool,
-    accuracy: &Bound<'_, PyDict>,
+    options: &Bound<'_, PyDict>,
     search: &str,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyTuple>> {
     let aovs = if any { Vec::new() } else { vec![Aov::Normal] };
     let search = search.parse().or_raise()?;
-    let settings = Settings { backend: renderer.backend, aovs, search, ..settings(accuracy)? };
+    let (settings, cuts) = settings(options)?;
+    let settings = Settings { backend: renderer.backend, aovs, search, ..settings };
     let origins = list::<f64, [f64; 3], 3>(&origins)?;
     let directions = list::<f64, [f64; 3], 3>(&directions)?;
     let limits = limits.map(|limits| list::<f64, f64, 1>(&limits)).transpose()?.unwrap_or_default();
@@ -114,7 +115,8 @@ pub(crate) fn trace<'py>(
         check(&Rays { origins: &origins, directions: &directions, limits: &limits })?;
         let mut answers = Answers::with_room(count, any)?;
         renderer.shared.with(&job, |renderer| {
-            let mut tracer = renderer.tracer(scene.spheres(), &settings)?;
+            let frame = scene.cut_for_rays(&cuts)?;
+            let mut tracer = renderer.tracer(&frame.scene.spheres, &settings)?;
             for start in (0..count).step_by(BLOCK) {
                 let part = start..count.min(start + BLOCK);
                 if job.cancel.is_cancelled() {

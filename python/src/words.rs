@@ -6,6 +6,7 @@ use halfline::Aov;
 use halfline::error::Result;
 use halfline::settings::Settings;
 use halfline_command::choices::Choices;
+use halfline_files::read::cut::CutRules;
 use halfline_command::shown::{Call, Form, WrittenOption, keywords, of_keyword};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -40,9 +41,10 @@ impl Chosen {
     }
 }
 
-/// The settings of keywords that do not depend on a scene: accuracy, method, tolerance.
-pub(crate) fn settings(options: &Bound<'_, PyDict>) -> PyResult<Settings> {
-    Ok(Choices::of(&written(options, Call::Render)?).or_raise()?.settings(Vec::new()))
+/// The settings of keywords that do not depend on a scene, accuracy, method, tolerance, and the planes that cut spheres.
+pub(crate) fn settings(options: &Bound<'_, PyDict>) -> PyResult<(Settings, CutRules)> {
+    let choices = Choices::of(&written(options, Call::Render)?).or_raise()?;
+    Ok((choices.settings(Vec::new()), choices.cuts()))
 }
 
 /// The keywords of a call as options, in the order in which they are given. `None` and `False` stand for no option.

@@ -491,6 +491,31 @@ def test_rays_keep_their_shape_and_are_checked(cpu: hl.Renderer) -> None:
         cpu.trace(scene, (0, 0, 0), np.ones((3, 3)), [1, 2, np.nan])
 
 
+def test_given_rays_meet_faces(cpu: hl.Renderer, tmp_path: Path) -> None:
+    """Planes cut spheres for given rays and scanners, as for pictures; those of a scene file too."""
+    scene = hl.Scene([[0, 0, 0], [0, 0, 0]], [4.0, 2.0])
+    down = [[0, 0, -1], [3, 0, -9]]
+    hits = cpu.trace(scene, (0, 0, 10), down, cut=(0, 0, 1, 1))
+    assert hits.id.tolist() == [1, 0] and hits.t.tolist() == [9.0, 1.0]
+    assert hits.normal.tolist() == [[0, 0, 1]] * 2
+    same = cpu.trace(scene, (0, 0, 10), down, cut_slab=(0, 0, 1, -50, 1))
+    assert same.id.tolist() == hits.id.tolist() and same.t.tolist() == hits.t.tolist()
+    assert not cpu.trace(scene, (0, 0, 10), [[0, 0, -1]], 9.0, any=True, cut=(0, 0, 1, 1)).hit[0]
+    sweep = cpu.scan(
+        scene, "lidar:rings=1,step=90", hl.Camera((9, 0, 0), view=(-1, 0, 0)), cut=(1, 0, 0, 1)
+    )
+    assert sweep.distance[sweep.hit].tolist() == [8.0]
+    file = tmp_path / "cut.toml"
+    camera = "[camera]\neye = [0, 0, 9]\nat = [0, 0, 0]\nup = [0, 1, 0]\nvfov = 40\n"
+    ball = "[[sphere]]\ncenter = [0, 0, 0]\nradius = 4\n"
+    file.write_text(f"{camera}{ball}[[cut]]\nnormal = [0, 0, 1]\ndistance = 1\n")
+    assert cpu.trace(hl.read(file), (0, 0, 10), [[0, 0, -1]]).t.tolist() == [9.0]
+    with pytest.raises(ValueError, match="no view"):
+        cpu.trace(scene, (0, 0, 10), down, cut_at="all")
+    with pytest.raises(TypeError, match="trace takes no 'look'"):
+        cpu.trace(scene, (0, 0, 10), down, look="soft")  # type: ignore[call-overload]
+
+
 @pytest.mark.filterwarnings("error")
 def test_positions_of_rays_are_on_the_spheres(cpu: hl.Renderer, cloud: hl.Scene) -> None:
     random = np.random.default_rng(7)

@@ -58,6 +58,18 @@ impl SceneFrame {
         Ok(())
     }
 
+    /// The same for given rays, which have no view: a plane through what is selected says where its removed side is.
+    ///
+    /// # Errors
+    /// As [`Self::cut`], and [`Error::Settings`] for a plane without a side.
+    pub fn cut_for_rays(&mut self, rules: &CutRules) -> Result<()> {
+        if let Some(at) = rules.at.iter().find(|at| at.direction.is_none()) {
+            let problem = format!("{CUT_AT} {}: given rays have no view", quote(&at.selection.to_string()));
+            return Err(Error::settings(problem, format!("give the side to remove: {CUT_AT} EXPR:X,Y,Z")));
+        }
+        self.cut(rules)
+    }
+
     fn cut_by_planes(&mut self, rules: &CutRules) -> Result<()> {
         let mut planes = self.cuts.clone();
         planes.extend(&rules.planes);
