@@ -384,10 +384,11 @@ export function mount(root, transport, options = {}) {
   // Controls: rows of the server, and the values that were changed.
   const settings = new Map();
   function choices(expr = selection) {
-    const all = {};
-    for (const [{ id, plane, others }, value] of settings) {
+    const all = {}, names = Object.fromEntries([...settings].map(([{ renames }, value]) => [renames, value]));
+    for (const [{ id, plane, others, renames }, value] of settings) {
       const text = plane ? String([...plane, dot(plane, [value, value, value])]) : others && expr ? `not (${expr})=${value}` : value;
-      all[id] = [...all[id] ?? [], ...text ? [text] : []];
+      const name = names[id] ?? id;
+      if (!renames) all[name] = [...all[name] ?? [], ...text ? [text] : []];
     }
     return all;
   }

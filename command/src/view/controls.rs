@@ -8,8 +8,9 @@ use halfline::settings::Look;
 use halfline_viewer::Options;
 use serde_json::{Value, json};
 
-/// The options that the page sets, and the labels of their rows. Clip planes have six rows of their own.
-const CONTROLS: [(&str, &str); 8] = [
+/// The options that the page sets, and the labels of their rows. Clip planes have six rows of their own, which planes that cut spheres
+/// share.
+const CONTROLS: [(&str, &str); 9] = [
     ("color_by", "Colour by"),
     ("map", "Colour map"),
     ("opacity", "Opacity"),
@@ -17,6 +18,7 @@ const CONTROLS: [(&str, &str); 8] = [
     ("background", "Background"),
     ("look", "Look"),
     ("samples", "Samples"),
+    ("cut", "Planes"),
     ("clip", ""),
 ];
 
@@ -39,7 +41,7 @@ pub(super) fn in_memory(copied: &Given) -> Vec<&'static str> {
     let is_shown = |id: &str| match id {
         "color_by" | "map" => false,
         "opacity" => has_file && !fades,
-        "clip" => has_file,
+        "cut" | "clip" => has_file,
         _ => true,
     };
     of_file().into_iter().filter(|id| is_shown(id)).collect()
@@ -68,7 +70,7 @@ pub(super) fn of_reader(options: &Options) -> Options {
 
 /// The rows of the page's panel: for each its option, its label, its help, the value with which it begins, and the kind of input with its
 /// bounds, or the values that it offers. An empty value takes the option away. A row with a `plane` sets the distance along it; one with
-/// `others` sets it for all spheres but those that are selected.
+/// `others` sets it for all spheres but those that are selected; one with `renames` chooses the option that the rows of that one set.
 pub(super) fn rows(shown: &[&str], given: &Given, summary: &Value, help: impl Fn(&str) -> String) -> Vec<Value> {
     let all = |id: &'static str| given.options().iter().filter(move |option| option.id == id).map(GivenOption::text);
     let typed = |id: &'static str| all(id).next_back();
@@ -82,13 +84,14 @@ pub(super) fn rows(shown: &[&str], given: &Given, summary: &Value, help: impl Fn
             "look" => json!({ "value": summary["look"], "values": Look::ALL.map(|look| look.name()) }),
             "samples" => choice(typed(id), SAMPLES.iter().map(u32::to_string).collect()),
             "background" => json!({ "type": "color", "value": summary["background"] }),
+            "cut" => json!({ "value": "clip", "values": ["clip", "cut"], "renames": "clip" }),
             "layers" => json!({ "type": "number", "value": typed(id).unwrap_or("1".into()), "min": 1, "max": 64 }),
             "opacity" => {
                 let value = all(id).rfind(|rule| !rule.contains('=')).unwrap_or("1".into());
                 json!({ "type": "range", "value": value, "min": 0.05, "max": 1, "step": 0.05, "others": true })
             }
             _ => {
-                rows.extend((0..6).map(|n| cut(&summary["extent"], n / 2, n % 2 == 0, &help(id))));
+                rows.extend((0..6).map(|n| slider(&summary["extent"], n / 2, n % 2 == 0, &help(id))));
                 continue;
             }
         };
@@ -125,7 +128,7 @@ fn maps() -> Vec<String> {
 }
 
 /// A slider that cuts along an axis, from its lower or its upper end. It begins where it removes nothing.
-fn cut(extent: &Value, axis: usize, is_lower: bool, help: &str) -> Value {
+fn slider(extent: &Value, axis: usize, is_lower: bool, help: &str) -> Value {
     let [low, high] = [0, 1].map(|end| extent[end][axis].as_f64().unwrap_or_default());
     // The step is the greatest power of ten of which the edge has enough.
     let power = ((high - low) / STEPS).log10().floor();
@@ -201,6 +204,7 @@ mod tests {
                 (None, of(&[])),
                 (None, of(&[("clip", &["-1,0,0,-1"])])),
                 (None, of(&[("clip", &["1,0,0,3", "0,-1,0,-0.5"]), ("background", &["#204060"]), ("samples", &["4"])])),
+                (None, of(&[("cut", &["1,0,0,3", "0,-1,0,-0.5"])])),
                 (None, of(&[("opacity", &["0.4"]), ("layers", &["3"])])),
                 (Some("element C"), of(&[("opacity", &["not (element C)=0.3"]), ("look", &["plain"])])),
                 (Some("q > 0"), of(&[("opacity", &["0.5", "q > 2=0.2"]), ("clip", &["0,0,1,0.5"])])),
@@ -220,8 +224,11 @@ mod tests {
         let copied = |file: &str, options: &[WrittenOption]| Given::of_options(file.into(), options);
         let fades = [("opacity".to_owned(), Some("0.5".into()))];
         assert_eq!(in_memory(&copied("", &[])), ["layers", "background", "look", "samples"]);
-        assert_eq!(in_memory(&copied("a.xyz", &[])), ["opacity", "layers", "background", "look", "samples", "clip"]);
-        assert_eq!(in_memory(&copied("a.xyz", &fades)), ["layers", "background", "look", "samples", "clip"]);
+        assert_eq!(
+            in_memory(&copied("a.xyz", &[])),
+            ["opacity", "layers", "background", "look", "samples", "cut", "clip"]
+        );
+        assert_eq!(in_memory(&copied("a.xyz", &fades)), ["layers", "background", "look", "samples", "cut", "clip"]);
         let refused = check(&in_memory(&copied("a.xyz", &[])), &of(&[("color_by", &["q"])]), &copied("a.xyz", &[]));
         assert!(refused.expect_err("a column").to_string().contains("color_by"));
     }
@@ -232,7 +239,7 @@ mod tests {
         for scale in [1e-300, 1e-9, 0.07, 1.0, 33.0, 1e6, 1e200] {
             let extent = json!([[-0.37 * scale, 0, 0], [1.21 * scale, 0, 0]]);
             for is_lower in [true, false] {
-                let row = cut(&extent, 0, is_lower, "");
+                let row = slider(&extent, 0, is_lower, "");
                 let of = |name: &str| row[name].as_f64().expect("a number");
                 let [low, high, step, value] = ["min", "max", "step", "value"].map(of);
                 assert!(low <= -0.37 * scale && high >= 1.21 * scale, "{row}");
@@ -240,7 +247,7 @@ mod tests {
                 assert_eq!(value, if is_lower { low } else { high });
             }
         }
-        let row = cut(&json!([[0, 0, 0], [0, 0, 0]]), 1, true, "");
+        let row = slider(&json!([[0, 0, 0], [0, 0, 0]]), 1, true, "");
         assert_eq!((&row["min"], &row["max"], &row["plane"]), (&json!(0.0), &json!(0.0), &json!([0, -1, 0])));
     }
 }

@@ -238,12 +238,12 @@ impl GivenOption {
     }
 }
 
-/// Sets options of the page in place of those that are given: clip planes and opacities are added to them, a column brings its own range,
+/// Sets options of the page in place of those that are given: planes and opacities are added to them, a column brings its own range,
 /// and a map is left out where no column has it.
 fn set(given: &mut Vec<GivenOption>, options: &Options) {
     for (id, values) in options {
         let is_replaced = |before: &GivenOption| match (id.as_str(), before.id.as_str()) {
-            ("clip" | "opacity", _) => false,
+            ("cut" | "clip" | "opacity", _) => false,
             ("color_by", "range" | "log") | ("background", "transparent") => true,
             ("color_by", "color") => !before.text().contains('='),
             (id, before) => id == before,

@@ -453,6 +453,21 @@ class Run:
         # Spheres that are cut off are picked no more.
         pixel = self.post("/pick", {**body, "x": self.size()[0] // 2, "y": self.size()[1] // 2, "from": None})
         self.check("a pick does not see what is cut off", pixel is None or pixel["center"][0] <= plane, pixel)
+        # The same planes cut spheres.
+        self.field("Planes", "cut")
+        tab.js(STILL)
+        planes = body["options"]["clip"]
+        cut = {**body, "options": {**expected, "cut": planes}}
+        if self.mock:
+            self.check("the planes cut in the requests", self.mock.log[-1]["options"] == cut["options"], self.mock.log[-1]["options"])
+        else:
+            pixel = self.post("/pick", {**cut, "x": self.size()[0] // 2, "y": self.size()[1] // 2, "from": None})
+            self.check("a pick sees what planes leave", pixel is None or pixel["position"][0] <= plane + 1e-3, pixel)
+            copied = self.post("/command", cut)["shell"]
+            self.check("the copied command cuts", f"--cut=1,0,0,{plane:g}" in copied and "--clip" not in copied, copied)
+            self.shot("controls-cut")
+        self.field("Planes", "clip")
+        tab.js(STILL)
         expr = "S" if self.mock else self.settings.select
         tab.js(f"{VIEW}.select({json.dumps(expr)})")
         tab.until(f"{VIEW}.selection() === {json.dumps(expr)}")

@@ -40,6 +40,7 @@ CONTROLS = [
     {"id": "background", "label": "Background", "help": "A colour", "type": "color", "value": "#f4f5f7"},
     {"id": "look", "label": "Look", "help": "A look", "value": "soft", "values": ["plain", "soft", "figure"]},
     {"id": "samples", "label": "Samples", "help": "A number", "value": "", "values": ["", "1", "4", "16"]},
+    {"id": "cut", "label": "Planes", "help": "Planes", "value": "clip", "values": ["clip", "cut"], "renames": "clip"},
     *(
         {"id": "clip", "label": f"{axis} {end}", "help": "A plane", "type": "range", "value": value, "min": 0, "max": 10, "step": 0.1,
          "plane": [sign * (axis == name) for name in "xyz"]}
@@ -150,7 +151,7 @@ class Mock:
         return [c[0] + 0.6 * math.sin(a + i), c[1], c[2] + 0.6 * (math.cos(a + i) - math.cos(i))], r, kind
 
     def is_cut(self, center, options):
-        planes = (list(map(float, text.split(","))) for text in options.get("clip", []))
+        planes = (list(map(float, text.split(","))) for text in [*options.get("clip", []), *options.get("cut", [])])
         return any(dot(plane[:3], center) > plane[3] for plane in planes)
 
     def chosen(self, expr):
