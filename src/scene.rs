@@ -28,8 +28,8 @@ use halfline_ground::memory::{entries, extend_to};
 
 pub(crate) use ball::{Ball, NumberedBall};
 pub use check::{MAX_SIDE, check_size};
-pub(crate) use cut::Solid;
 pub use cut::{CUT, CutPlane, Cuts, REMOVED, SPARED};
+pub(crate) use cut::{Solid, removes_all};
 pub use fit::{Framing, Reach};
 pub use gradient::SkyColors;
 pub(crate) use gradient::{Gradient, SkyLight};
@@ -311,7 +311,10 @@ impl Scene {
         }
         if let Some(cuts) = &self.spheres.cuts {
             hash.update(format!("cuts {:?}", cuts.planes).as_bytes());
-            hash.update(cuts.of.digest().as_bytes());
+            // Without spared spheres the flags follow from planes and spheres.
+            if cuts.count(SPARED) > 0 {
+                hash.update(cuts.of.digest().as_bytes());
+            }
             cuts.colors.iter().for_each(|colors| _ = hash.update(colors.digest().as_bytes()));
         }
         hash.finalize().to_hex()[..32].to_owned()

@@ -57,7 +57,12 @@ impl CutArgs {
     /// Whether some option of cuts is given.
     pub(super) fn is_given(&self) -> bool {
         let PlaneArgs { cut, cut_slab, .. } = &self.planes;
-        !(cut.is_empty() && cut_slab.is_empty() && self.cut_color.is_empty()) || self.selects()
+        !(cut.is_empty() && cut_slab.is_empty()) || self.need_all()
+    }
+
+    /// Whether cuts need the columns or the colours of all spheres.
+    pub(super) fn need_all(&self) -> bool {
+        self.selects() || !self.cut_color.is_empty()
     }
 
     /// Whether spheres are selected by their columns.

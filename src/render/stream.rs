@@ -14,9 +14,10 @@ pub use part::{Part, PartView};
 use crate::answers::silhouette::Line;
 use crate::certify::sieve::{Sieve, Sifted, sift};
 use crate::double_double::exponent;
+use crate::frame::report::Report;
 use crate::frame::{Aov, Data, Frame};
 use crate::scene::instances::NumberedSpheres;
-use crate::scene::{List, Scene, Spheres};
+use crate::scene::{CUT, CutPlane, List, REMOVED, Scene, Spheres, removes_all};
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use crate::view::{middle, unit};
@@ -55,6 +56,8 @@ pub struct Stream {
     digests: Digests,
     /// The stream of the opaque spheres alone, where some may be translucent: a picture shows what these hide.
     opaque: Option<Box<Self>>,
+    /// The spheres so far that planes cut, and those that they remove.
+    changed: [u64; 2],
 }
 
 /// The remains of a stream: every sphere that some ray of the frame hits first.
@@ -73,16 +76,18 @@ pub struct StreamIds {
     pub ids: Vec<u64>,
     /// The number of all spheres of the stream.
     pub count: u64,
+    /// The spheres of the stream that planes cut, and those that they remove.
+    pub changed: [u64; 2],
 }
 
 impl Stream {
-    /// A frame of `scene`, whose own spheres are not used.
+    /// A frame of `scene`, whose own spheres are not used; the planes of their cuts cut those of the stream.
     ///
     /// # Errors
     /// [`Error::Settings`] for what needs all spheres at once: lights and a sky, and answers without a certificate;
     /// errors of the camera and the image.
     pub fn new(scene: &Scene, settings: &Settings) -> Result<Self> {
-        let scene = Scene { spheres: Spheres::default(), ..scene.clone() };
+        let scene = Scene { lighting: scene.lighting.clone(), ..scene.bare() };
         scene.check()?;
         let mend = format!("use such a camera, or render all spheres at once, without {STREAM}");
         scene.camera.lens.check_flat("a part or a stream", &mend)?;
@@ -110,6 +115,7 @@ impl Stream {
             witnesses,
             digests,
             opaque: None,
+            changed: [0; 2],
         })
     }
 
@@ -134,14 +140,34 @@ impl Stream {
         added
     }
 
+    /// The planes that cut spheres.
+    fn planes(&self) -> &[CutPlane] {
+        self.scene.spheres.cuts.as_ref().map_or(&[], |cuts| &cuts.planes)
+    }
+
     /// Adds the spheres of a block, whose numbers `number` gives, without a fingerprint.
     fn add_block(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
+        if block.cuts.is_some() {
+            let problem = "planes cut the spheres of a block, and those of a stream belong to its scene";
+            return Err(Error::scene(Place::field("spheres"), problem, "give them to the scene"));
+        }
+        if self.planes().is_empty() {
+            return self.add_left(block, number);
+        }
+        let mut left = block.clone();
+        left.cut(self.planes(), None)?;
+        let Some(cuts) = &left.cuts else { return self.add_left(block, number) };
+        [CUT, REMOVED].into_iter().zip(&mut self.changed).for_each(|(flag, sum)| *sum += cuts.count(flag));
+        let stays: Vec<bool> = cuts.of.iter().map(|flag| *flag != REMOVED).collect();
+        let numbers: Vec<u64> = (0..block.len()).filter(|n| stays[*n]).map(number).collect();
+        left.keep(&stays);
+        if left.is_empty() { Ok(()) } else { self.add_left(&left, &|n| numbers[n]) }
+    }
+
+    /// Adds the spheres that planes leave of a block.
+    fn add_left(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let is_first = self.kept.numbers.is_empty() && self.sieves.is_empty();
         let unlike = self.kept.spheres.carried() != block.carried();
-        if block.cuts.is_some() {
-            let problem = "planes cut some spheres, which a stream takes for whole";
-            return Err(Error::scene(Place::field("spheres"), problem, "render them in memory"));
-        }
         if block.materials.is_some() || !is_first && unlike {
             let problem = "some spheres have colours, opacities or materials and others do not";
             return Err(Error::scene(Place::field("spheres"), problem, "use the same for all, without materials"));
@@ -164,7 +190,7 @@ impl Stream {
     fn add_opaque(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         let Some(opacities) = &block.opacities else { return Ok(()) };
         let flags = parallel::map(opacities, |opacity| *opacity == 1.0);
-        let mut alone = Spheres { opacities: None, ..block.clone() };
+        let mut alone = Spheres { opacities: None, cuts: None, ..block.clone() };
         alone.keep(&flags);
         let opaque = match self.opaque.take() {
             Some(opaque) => opaque,
@@ -180,9 +206,24 @@ impl Stream {
         self.add_block(block, &|n| numbers[n])
     }
 
-    /// Keeps the spheres of a block that some ray may hit first, and those that the frame takes numbers from.
+    /// Keeps the spheres of a block that some ray may hit first, and those that the frame takes numbers from. Cut spheres hide nothing.
     fn keep_open(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64) -> Result<()> {
-        let Sifted { kept, marks } = sift(&self.sieves, block, true);
+        let Some(cuts) = &block.cuts else { return self.keep_some(block, number, true) };
+        for is_cut in [false, true] {
+            let some: Vec<u32> = (0..block.len() as u32).filter(|n| cuts.is_cut(*n) == is_cut).collect();
+            let mut chosen = block.clone();
+            chosen.choose(&some);
+            self.keep_some(&chosen, &|n| number(some[n] as usize), !is_cut)?;
+        }
+        Ok(())
+    }
+
+    /// The same for spheres all of which hide others, if they `cover`, or none.
+    fn keep_some(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, cover: bool) -> Result<()> {
+        if block.is_empty() {
+            return Ok(());
+        }
+        let Sifted { kept, marks } = sift(&self.sieves, block, cover);
         let indices: Vec<u32> = (0..kept.len() as u32).filter(|n| kept[*n as usize]).collect();
         self.kept.add(block, number, &indices)?;
         self.witnesses.mark(block, number, &marks, self.unit());
@@ -209,8 +250,8 @@ impl Stream {
     /// [`Error::Limits`] where memory is short.
     pub fn finish(mut self) -> Result<Visible> {
         let kept = self.rest()?;
-        let ids = StreamIds { ids: kept.numbers, count: self.count };
-        Ok(visible(self.scene, kept.spheres, ids, &self.digests))
+        let ids = StreamIds { ids: kept.numbers, count: self.count, changed: self.changed };
+        visible(self.scene, kept.spheres, ids, &self.digests)
     }
 
     /// The spheres that are kept, in order.
@@ -284,7 +325,12 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
 }
 
 /// A scene of these spheres with the fingerprint of all.
-fn visible(scene: Scene, spheres: Spheres, ids: StreamIds, digests: &Digests) -> Visible {
+///
+/// # Errors
+/// As [`Spheres::cut`].
+fn visible(scene: Scene, spheres: Spheres, ids: StreamIds, digests: &Digests) -> Result<Visible> {
+    let cuts = scene.spheres.cuts.as_ref();
+    let cuts = cuts.filter(|_| ids.changed != [0; 2]).map(|cuts| spheres.cuts_by(&cuts.planes, None)).transpose()?;
     let [centers, radii, colors, opacities] = digests.all();
     let spheres = Spheres {
         centers: List::part_of(spheres.centers.into_vec(), centers),
@@ -292,9 +338,9 @@ fn visible(scene: Scene, spheres: Spheres, ids: StreamIds, digests: &Digests) ->
         colors: spheres.colors.map(|values| List::part_of(values.into_vec(), colors)),
         materials: None,
         opacities: spheres.opacities.map(|values| List::part_of(values.into_vec(), opacities)),
-        cuts: None,
+        cuts,
     };
-    Visible { scene: Scene { spheres, ..scene }, ids }
+    Ok(Visible { scene: Scene { spheres, ..scene }, ids })
 }
 
 impl StreamIds {
@@ -307,7 +353,11 @@ impl StreamIds {
     /// Puts the ids of the stream into a frame of [`Visible::scene`], and the number of its spheres into the report. Ids
     /// that do not fit into 32 bits make the buffer one of 64-bit numbers.
     pub fn restore(&self, frame: &mut Frame) {
-        frame.report.spheres = self.count;
+        let Report { spheres, spheres_cut, spheres_removed, warnings, .. } = &mut frame.report;
+        ([*spheres_cut, *spheres_removed], *spheres) = (self.changed, self.count);
+        if self.changed[1] > 0 {
+            warnings.extend(removes_all(self.changed[1], self.count));
+        }
         for buffer in frame.buffers.iter_mut().filter(|buffer| buffer.aov == Aov::Id) {
             let Data::I32(ids) = &mut buffer.data else { continue };
             let of_stream = |id: i32| usize::try_from(id).ok().and_then(|n| self.ids.get(n)).copied();

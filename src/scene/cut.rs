@@ -153,8 +153,7 @@ impl Cuts {
     /// A warning where planes remove all spheres.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let all = self.of.len() as u64;
-        (self.count(REMOVED) == all).then(|| format!("{CUT_SETTING} removes all {}", count(all, "sphere")))
+        removes_all(self.count(REMOVED), self.of.len() as u64)
     }
 
     /// Whether a sphere is whole beyond planes.
@@ -162,6 +161,11 @@ impl Cuts {
     pub(crate) fn is_spared(&self, id: u32) -> bool {
         self.of.get(id as usize) == Some(&SPARED)
     }
+}
+
+/// A warning where so many removed spheres are all.
+pub(crate) fn removes_all(removed: u64, all: u64) -> Option<String> {
+    (removed == all).then(|| format!("{CUT_SETTING} removes all {}", count(all, "sphere")))
 }
 
 impl Spheres {
@@ -172,6 +176,13 @@ impl Spheres {
     /// # Errors
     /// As [`CutPlane::check`]; [`Error::Limits`] where memory is short.
     pub fn cut(&mut self, planes: &[CutPlane], may: Option<&[bool]>) -> Result<()> {
+        let cuts = self.cuts_by(planes, may)?;
+        self.cuts = Some(cuts).filter(|cuts| cuts.of.iter().any(|flag| [CUT, REMOVED].contains(flag)));
+        Ok(())
+    }
+
+    /// The cuts of [`Self::cut`], also where no sphere is cut.
+    pub(crate) fn cuts_by(&self, planes: &[CutPlane], may: Option<&[bool]>) -> Result<Cuts> {
         for (n, plane) in planes.iter().enumerate() {
             plane.check(|| Place::field(format!("cut {n}")))?;
         }
@@ -188,9 +199,7 @@ impl Spheres {
         };
         let of: Vec<u8> =
             parallel::collect(self.len(), CHEAP, &|range, flags| flags.extend(range.map(|n| side(n).flag())));
-        let cuts = Cuts { planes: planes.to_vec(), of: of.into(), colors: None };
-        self.cuts = Some(cuts).filter(|cuts| cuts.of.iter().any(|flag| [CUT, REMOVED].contains(flag)));
-        Ok(())
+        Ok(Cuts { planes: planes.to_vec(), of: of.into(), colors: None })
     }
 
     /// Whether some plane cuts a sphere.

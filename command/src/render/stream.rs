@@ -249,6 +249,7 @@ impl<'a> Source<'a> {
         // What the file leaves out is counted while its spheres are read.
         frame.skipped = Skipped::default();
         let look = self.args.light.apply(&mut frame, &self.args.files.buffers(), request, PictureLens::default())?;
+        frame.cut_later(&self.args.cut.rules())?;
         let (number, skipped) = (self.number, frame.skipped);
         let picture = PictureScene { number, skipped, ..PictureScene::bare(frame.scene, look) };
         let settings = self.args.settings_for(&picture, settings, targets)?;

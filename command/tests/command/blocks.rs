@@ -130,6 +130,11 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
         ("c.xyz", "--radius-scale 0.01 --color-by z".to_owned()),
         ("c.ply", CAMERA.to_owned()),
         ("c.ply", format!("{CAMERA} --clip 1,2,3,0.5")),
+        // Planes cut each sphere as it comes.
+        ("c.npy", format!("{CAMERA} --cut 0,0,1,0.25")),
+        ("c.npy", format!("{CAMERA} --cut-slab 1,2,3,-0.4,0.3 --cut 0,1,-1,0.5 --samples 4")),
+        ("c.ply", "--view left --cut 1,0.2,0.1,0.001".to_owned()),
+        ("c.csv", "--eye 0.1,0.2,0.3 --at 0,0,0 --cut 1,1,1,0.1 --color-by v --range 0,1".to_owned()),
         // Selections see a block at a time.
         (
             "c.csv",

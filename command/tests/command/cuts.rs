@@ -142,7 +142,8 @@ fn given_rays_meet_faces() {
 fn what_cannot_be_cut_has_words() {
     let bad = "[camera]\neye = [0, 0, 40]\nview = [0, 0, -1]\nup = [0, 1, 0]\nheight = 20\n[[sphere]]\ncenter = [0, 0, 0]\nradius = 1\n
 [[cut]]\nnormal = [0, 0, 0]\ndistance = 1\n";
-    let dir = TestDir::new(&[("n.csv", NESTED), ("bad.toml", bad)]);
+    let good = bad.replace("[0, 0, 0]\ndistance", "[0, 0, 1]\ndistance");
+    let dir = TestDir::new(&[("n.csv", NESTED), ("bad.toml", bad), ("good.toml", &good)]);
     let refused = |code: i32, line: &str, parts: &[&str]| {
         dir.refused_render(code, &words(&format!("{line} -o a.png")), parts);
     };
@@ -154,9 +155,20 @@ fn what_cannot_be_cut_has_words() {
     refused(2, "n.csv --cut-color red", &["--cut-color", "none cuts"]);
     refused(2, "n.csv --cut 0,0,1,1 --cut-color blak", &["--cut-color", "blak"]);
     refused(3, "n.csv --cut-at kind~nothing", &["--cut-at", "kind nothing", "none of 4 spheres"]);
-    refused(2, "n.csv --cut 0,0,1,1 --stream", &["--stream", "--clip"]);
+    refused(2, "n.csv --cut-at kind~core --stream", &["--stream", "--cut-slab"]);
+    refused(2, "n.csv --cut 0,0,1,1 --cut-color red --stream", &["--cut-color", "all spheres in memory"]);
+    dir.refused(2, &words("sift n.csv --cut 0,0,1,1 --first-id 0 -o p.npz"), &["--cut is not an option of a part"]);
+    dir.refused(2, &words("sift good.toml --first-id 0 -o p.npz"), &["those of parts are whole"]);
     refused(2, "n.csv --cut 0,0,1,1 --method stable", &["planes cut some spheres", "--method"]);
     refused(3, "bad.toml", &["bad.toml:11:10", "cut 0 normal", "any length but zero"]);
+    // A stream counts as a scene in memory does.
+    let counts = |more: &str| {
+        let ran = dir.render(&words(&format!("n.csv {CAMERA} --cut 0,0,1,1 --json {more}"))).json();
+        ["spheres", "spheres_cut", "spheres_removed", "cuts", "scene_hash"].map(|key| ran[key].to_string())
+    };
+    assert_eq!(counts("--stream"), counts(""));
+    let ran = dir.render(&format!("n.csv {CAMERA} --cut 0,0,1,-50 --stream"));
+    assert!(ran.err.contains("--cut removes all 4 spheres"), "{}", ran.err);
     let ran = dir.render(&format!("n.csv {CAMERA} --cut 0,0,1,-50"));
     assert!(ran.err.contains("--cut removes all 4 spheres"), "{}", ran.err);
     // The beads of a cell are not cut.

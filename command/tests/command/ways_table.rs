@@ -95,8 +95,7 @@ impl Row {
 pub(crate) fn rows() -> Vec<Row> {
     use Effect::{Allows, Bytes, Fails, Nothing};
     const LIGHT: &[&str] = &["lights and a sky need all spheres in memory"];
-    const CUT: &[&str] =
-        &["planes cut spheres that are all in memory", "planes cut some spheres", "belongs to the parts"];
+    const CUT: &[&str] = &["is chosen among all spheres in memory", "belongs to the parts"];
     const FORMAT: &[&str] = &["files are not read as a stream"];
     const PIXELS: &str = "--eye 9,7,12 --at 2,2,2 --lens opencv --intrinsics";
     vec![

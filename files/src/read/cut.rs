@@ -4,7 +4,7 @@ use super::sequence::SceneFrame;
 use halfline::error::{Error, Place, Result};
 use halfline::quote::setting::{CUT, CUT_AT, CUT_COLOR, CUT_ONLY, CUT_SLAB};
 use halfline::quote::{count, quote};
-use halfline::scene::{CutPlane, DEFAULT_COLOR};
+use halfline::scene::{CutPlane, Cuts, DEFAULT_COLOR};
 use halfline_particles::Selection;
 
 /// The planes that cut spheres, and the spheres that they may cut.
@@ -68,6 +68,18 @@ impl SceneFrame {
             return Err(Error::settings(problem, format!("give the side to remove: {CUT_AT} EXPR:X,Y,Z")));
         }
         self.cut(rules)
+    }
+
+    /// Gives the planes of the file and these to spheres that are still to come.
+    ///
+    /// # Errors
+    /// As [`CutPlane::check`].
+    pub fn cut_later(&mut self, rules: &CutRules) -> Result<()> {
+        let planes: Vec<CutPlane> = self.cuts.iter().chain(&rules.planes).copied().collect();
+        planes.iter().enumerate().try_for_each(|(n, plane)| plane.check(|| Place::field(format!("cut {n}"))))?;
+        let cuts = Cuts { planes, of: Vec::new().into(), colors: None };
+        self.scene.spheres.cuts = Some(cuts).filter(|cuts| !cuts.planes.is_empty());
+        Ok(())
     }
 
     fn cut_by_planes(&mut self, rules: &CutRules) -> Result<()> {

@@ -10,10 +10,11 @@ use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::instances::{Group, Instances, NumberedSpheres};
 use crate::settings::Settings;
 use crate::view::unit;
-use halfline_ground::error::Result;
+use halfline_ground::error::{Error, Result};
 use halfline_ground::memory::{check_wide_ids, ids_fit};
 use halfline_ground::parallel;
 use halfline_ground::progress::Watch;
+use halfline_ground::quote::setting::STREAM;
 
 /// Spheres that are sifted together.
 const SPHERES_PER_BATCH: usize = 1 << 17;
@@ -26,6 +27,10 @@ impl Stream {
     /// Errors of [`Stream::new`] and [`Stream::add`]; [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn of_instances(scene: &Scene, settings: &Settings, instances: &Instances, watch: &Watch) -> Result<Visible> {
         let mut stream = Self::new(scene, settings)?;
+        if !stream.planes().is_empty() {
+            let problem = "planes cut spheres one by one, and the copies of a stream pass in groups";
+            return Err(Error::settings(problem, format!("remove the planes, or {STREAM}")));
+        }
         check_wide_ids(instances.total())?;
         let count = instances.ids(&[], watch)?.1;
         if count > 0 {
@@ -41,7 +46,7 @@ impl Stream {
             kept.spheres.colors.get_or_insert_default();
         }
         let (ids, count) = instances.ids(&kept.numbers, watch)?;
-        Ok(visible(stream.scene, kept.spheres, StreamIds { ids, count }, &stream.digests))
+        visible(stream.scene, kept.spheres, StreamIds { ids, count, changed: [0; 2] }, &stream.digests)
     }
 
     /// Finds the first spheres and those with the extremes of size and place, and opens the sieves in their unit.

@@ -140,6 +140,7 @@ impl Stream {
     /// # Errors
     /// Errors of [`Stream::new`] and [`Outline::check`]; [`Error::Limits`] for ids from 2^55 on.
     pub fn of_part(scene: &Scene, settings: &Settings, first_id: u64) -> Result<Self> {
+        check_whole(scene)?;
         let view = PartView::new(scene, settings)?;
         check_id(first_id)?;
         Ok(Self { first: first_id, ..Self::new(&view.scene(), &view.settings()?)? })
@@ -154,6 +155,14 @@ impl Stream {
         let view = PartView::new(&self.scene, &self.settings)?;
         let name = format!("the part of ids from {}", self.first);
         Ok(Part { name, view, kept: self.rest()?, digests: self.digests })
+    }
+}
+
+/// Refuses planes that cut spheres.
+fn check_whole(scene: &Scene) -> Result<()> {
+    match scene.spheres.cuts {
+        None => Ok(()),
+        Some(_) => Err(Error::settings("planes cut spheres, and those of parts are whole", "remove the planes")),
     }
 }
 
@@ -303,6 +312,7 @@ impl Part {
     /// [`Error::Settings`] for a frame that the part is not made for.
     pub fn visible(self, scene: &Scene, settings: &Settings) -> Result<Visible> {
         check(scene, settings)?;
+        check_whole(scene)?;
         let frame = PartView::new(scene, settings)?;
         if frame.tolerance > self.view.tolerance {
             let problem = format!("{} is made for a tolerance of {}", self.name, self.view.tolerance);
@@ -318,10 +328,10 @@ impl Part {
             return Err(Error::settings(problem, "leave that to the parts, or sift again"));
         }
         let count = self.all_ids().last().map_or(0, |[_, end]| *end);
-        let ids = StreamIds { ids: self.kept.numbers, count };
+        let ids = StreamIds { ids: self.kept.numbers, count, changed: [0; 2] };
         let scene = Scene { spheres: Spheres::default(), ..scene.clone() };
         scene.check()?;
-        Ok(visible(scene, self.kept.spheres, ids, &self.digests))
+        visible(scene, self.kept.spheres, ids, &self.digests)
     }
 
     /// Words about ids between 0 and the largest that no part has.

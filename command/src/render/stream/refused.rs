@@ -50,7 +50,11 @@ pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>)
             "spheres are enlarged for a picture with all in memory",
             "remove --least-size, or --stream",
         ),
-        (args.cut.is_given(), "planes cut spheres that are all in memory", "use --clip, or remove --stream"),
+        (
+            args.cut.need_all(),
+            "what --cut-at, --cut-only and --cut-color choose is chosen among all spheres in memory",
+            "use --cut or --cut-slab, or remove --stream",
+        ),
         (
             args.open_width().is_some(),
             "an open height is that of all spheres in memory",
@@ -85,7 +89,6 @@ pub(super) fn check_frame(frame: &SceneFrame, is_named: bool) -> Result<()> {
             "the rays of a curved lens need all spheres in memory",
             if is_named { "remove --lens, or --stream" } else { "use another camera, or remove --stream" },
         ),
-        (!frame.cuts.is_empty(), "planes cut spheres that are all in memory", "remove [[cut]], or --stream"),
         (shines, "lights that are spheres need all spheres in memory", "remove them, or --stream"),
     ])
 }
