@@ -40,10 +40,8 @@ use std::ops::Range;
 use tiles::Lists;
 
 pub(crate) use answer::{Answer, ProjectionRecord, Slopes};
+pub(crate) use general::GENERAL;
 pub(crate) use terms::{TERMS, Terms};
-
-/// Marks a slot that refers to the list of general spheres.
-pub(crate) const GENERAL: u32 = 0x8000_0000;
 
 /// The scene as the certified kernel reads it, in the number type of a twin.
 pub(crate) struct Certify<'a, R> {

@@ -8,6 +8,9 @@ use crate::number::{Mask, Number};
 use crate::view::ray::{cross3, minus, positive, times, unit3};
 use bytemuck::{Pod, Zeroable};
 
+/// Marks a slot that refers to the list of general spheres.
+pub(crate) const GENERAL: u32 = 0x8000_0000;
+
 /// The record as declared in certify/general.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]

@@ -1,10 +1,9 @@
 //! Planes that cut spheres, as rays pass them in f32 with bounds: the part of a ray that they keep, and what is hit of a sphere there.
 //! docs/certificate.md, section 9a, derives the bounds.
 
-use super::GENERAL;
 use super::answer::{Answer, ProjectionRecord, Slopes};
 use super::constants::{BEYOND, INFLATE, UNIT, VANISH};
-use super::general::{General, GeneralRecord};
+use super::general::{GENERAL, General, GeneralRecord};
 use super::projected::Roots;
 use super::projection::{ProjectionBounds, UNKNOWN};
 use super::terms::Terms;
@@ -169,7 +168,7 @@ impl<R: Number> Kept<R> {
         Self { entry: [eye; 2], exit: [end; 2], plane: NONE, is_empty: false, is_unknown: false }
     }
 
-    /// What one more plane, that of this index, keeps of the ray. Every case is computed and one is picked, because compilers make no
+    /// The part that one more plane, with this index, keeps of it. Every case is computed and one is picked, because compilers make no
     /// vectors of branches.
     #[inline(always)]
     pub(crate) fn cut(

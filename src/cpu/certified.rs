@@ -17,11 +17,11 @@ use crate::number::vector::WIDE;
 use crate::tile::TILE;
 use crate::view::View;
 use crate::view::ray::NONE;
-use cut::{CutStrip, Solids, Whole};
+use cut::CutStrip;
 use halfline_ground::parallel;
 use pixels::{Band, Pixels, StripFrame};
 use pulp::NullaryFnOnce;
-use strip::{NearestTwos, NonePassed, Strip};
+use strip::{NearestTwos, NonePassed, Solids, Strip, Whole};
 use triples::{Portable, Triples};
 
 /// Fills `raw` with certified answers; a pixel without a proof gets [`UNSURE`](crate::view::ray::UNSURE) as id, or its nearest candidate, as

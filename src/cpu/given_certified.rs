@@ -7,7 +7,7 @@ use crate::certify::given::{AnyHit, Bounds, CertifiedRay, HitNumbers};
 use crate::exact::{Truth, judge_ray_among};
 use crate::scene::Spheres;
 use crate::search::tree::lanes::{Lanes, Portable, RAYS_PER_TASK, Work, dispatch};
-use crate::search::tree::walk::{Test, may_intersect, may_pass, walk};
+use crate::search::tree::walk::{Test, may_intersect, may_pass, pass_all, walk};
 use crate::search::tree::{BoxRay, Tree, order};
 use crate::view::given::{GivenRay, Rays};
 use halfline_ground::parallel;
@@ -69,13 +69,17 @@ impl Given<'_> {
             return NearestHit::Miss;
         };
         if let Some(cuts) = self.cuts {
-            return cuts.nearest(self, lanes, (&ray, &boxes), counts);
+            return match cuts.nearest((self.tree, self.all), lanes, (&ray, &boxes), counts) {
+                Some(None) => NearestHit::Miss,
+                Some(Some((id, numbers))) if self.is_good(&numbers) => NearestHit::Hit { id, numbers },
+                _ => NearestHit::Unsure,
+            };
         }
         let limit = boxes.limit(ray.limit[1]);
         let (tree, foremost) = (self.tree, Foremost::of(None));
         let mut search = NearestSearch { lanes, tree, ray: &ray, boxes: &boxes, counts, limit, foremost };
         if self.all {
-            self.test_all(&mut search);
+            pass_all(self.tree, &mut search);
         } else {
             walk::<false, _>(lanes, self.tree, &boxes, limit, &mut search);
         }
@@ -99,7 +103,7 @@ impl Given<'_> {
 
     /// Whether the numbers of a hit are within the promised errors.
     #[inline(always)]
-    pub(super) fn is_good(&self, numbers: &HitNumbers) -> bool {
+    fn is_good(&self, numbers: &HitNumbers) -> bool {
         numbers.error <= self.tolerance && numbers.tilt <= TILT
     }
 
@@ -109,14 +113,14 @@ impl Given<'_> {
             return AnyHit::Free;
         };
         if let Some(cuts) = self.cuts {
-            return cuts.any(self, lanes, (&ray, &boxes));
+            return cuts.any((self.tree, self.all), lanes, (&ray, &boxes));
         }
         let limit = boxes.limit(ray.limit[1]);
         let limits = [boxes.limit_below(ray.limit[0]), limit];
         let (tree, counts, found) = (self.tree, |_| true, AnyHit::Free);
         let mut search = AnySearch { lanes, tree, ray: &ray, boxes: &boxes, counts, limits, found };
         if self.all {
-            self.test_all(&mut search);
+            pass_all(self.tree, &mut search);
         } else {
             walk::<true, _>(lanes, self.tree, &boxes, limit, &mut search);
         }
@@ -145,11 +149,6 @@ impl Given<'_> {
             true => among(&mut (0..spheres.len() as u32).filter(|id| counts(*id))),
             false => among(&mut self.candidates(ray, counts).into_iter()),
         }
-    }
-
-    #[inline(always)]
-    pub(super) fn test_all(&self, test: &mut impl Test) {
-        (0..self.tree.blocks.len() as u32).take_while(|block| test.test(*block) >= 0.0).for_each(drop);
     }
 
     /// The numbers of some rays in an order in which neighbours visit the same boxes.

@@ -1,11 +1,10 @@
 //! Given rays among spheres that planes cut: the part of each ray that the planes keep, and the hits there.
 
-use super::given_certified::{Given, NearestHit};
 use crate::certify::cut::{CutRay, FirstHit};
-use crate::certify::given::{AnyHit, CertifiedRay};
+use crate::certify::given::{AnyHit, CertifiedRay, HitNumbers};
 use crate::scene::{Cuts, NumberedBall};
 use crate::search::tree::lanes::Lanes;
-use crate::search::tree::walk::{Test, may_intersect, walk};
+use crate::search::tree::walk::{Test, may_intersect, pass_all, walk};
 use crate::search::tree::{BoxRay, Tree};
 use crate::view::planes::EyePlanes;
 use glam::DVec3;
@@ -28,45 +27,43 @@ impl<'a> GivenCuts<'a> {
         self.cuts.is_cut(id) || self.cuts.is_removed(id)
     }
 
-    /// The nearest hit of a ray among the spheres whose places count.
+    /// The nearest hit of a ray among the spheres whose places count, with its sphere's id: `None` where f64 does not decide it, `Some(None)`
+    /// for a certain miss. With `all` every sphere is tested, without the boxes.
     pub(super) fn nearest<L: Lanes>(
         &self,
-        given: &Given<'_>,
+        (tree, all): (&Tree, bool),
         lanes: L,
         (ray, boxes): (&CertifiedRay, &BoxRay),
         counts: impl Fn(usize) -> bool,
-    ) -> NearestHit {
-        let tree = given.tree;
-        let Some(kept) = CutRay::of_given(&self.planes, &tree.placement, *ray) else {
-            return NearestHit::Unsure;
-        };
+    ) -> Option<Option<(u32, HitNumbers)>> {
+        let kept = CutRay::of_given(&self.planes, &tree.placement, *ray)?;
         let (limit, first) = (boxes.limit(ray.limit[1]), FirstHit::default());
         let mut search = FirstOfCut { lanes, tree, cuts: self.cuts, kept: &kept, boxes, counts, limit, first };
-        if given.all {
-            given.test_all(&mut search);
+        if all {
+            pass_all(tree, &mut search);
         } else {
             walk::<false, _>(lanes, tree, boxes, limit, &mut search);
         }
-        match search.first.found() {
-            None => NearestHit::Unsure,
-            Some(None) => NearestHit::Miss,
-            Some(Some(hit)) => {
-                let numbers = kept.numbers(&self.planes, hit).filter(|numbers| given.is_good(numbers));
-                numbers.map_or(NearestHit::Unsure, |numbers| NearestHit::Hit { id: hit.0.id, numbers })
-            }
+        match search.first.found()? {
+            None => Some(None),
+            Some(hit) => kept.numbers(&self.planes, hit).map(|numbers| Some((hit.0.id, numbers))),
         }
     }
 
     /// Whether a ray hits anything before its limit.
-    pub(super) fn any<L: Lanes>(&self, given: &Given<'_>, lanes: L, (ray, boxes): (&CertifiedRay, &BoxRay)) -> AnyHit {
-        let tree = given.tree;
+    pub(super) fn any<L: Lanes>(
+        &self,
+        (tree, all): (&Tree, bool),
+        lanes: L,
+        (ray, boxes): (&CertifiedRay, &BoxRay),
+    ) -> AnyHit {
         let Some(kept) = CutRay::of_given(&self.planes, &tree.placement, *ray) else {
             return AnyHit::Unsure;
         };
         let (limit, found) = (boxes.limit(ray.limit[1]), AnyHit::Free);
         let mut search = AnyOfCut { lanes, tree, cuts: self.cuts, kept: &kept, boxes, limit, found };
-        if given.all {
-            given.test_all(&mut search);
+        if all {
+            pass_all(tree, &mut search);
         } else {
             walk::<false, _>(lanes, tree, boxes, limit, &mut search);
         }

@@ -3,8 +3,7 @@
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
-use super::cut::Solids;
-use super::strip::{NearestTwos, Strip, StripAnswers};
+use super::strip::{NearestTwos, Solids, Strip, StripAnswers};
 use super::triples::Triples;
 use crate::answers::raw::Piece;
 use crate::certify::{Certify, GENERAL};

@@ -2,7 +2,6 @@
 
 #![expect(clippy::needless_range_loop, reason = "loops over the lanes of several arrays")]
 
-use super::cut::Solids;
 use crate::certify::constants::BEYOND;
 use crate::certify::general::{general_answer, general_low};
 use crate::certify::projected::{Projected, ProjectedDetailRecord, ProjectedRecord, projected_answer, projected_low};
@@ -49,6 +48,57 @@ impl<const N: usize> Passed<N> for &[[u32; N]] {
             }
         }
         lanes
+    }
+}
+
+/// The spheres of a scene as planes leave them.
+pub(super) trait Solids<const N: usize> {
+    /// Takes the sphere of an entry if planes cut it: a hit at a root that is possible into the nearest two, a certain face here.
+    fn take(
+        &mut self,
+        strip: &Strip<N>,
+        certify: &Certify<'_, f32>,
+        slot: u32,
+        passed: &impl Passed<N>,
+        k: &mut NearestTwos<N>,
+    ) -> bool;
+
+    /// The least depth that a lane has found, with that of the nearest two.
+    fn least(&self, l: usize, low: f32) -> f32;
+
+    /// Takes the faces into the nearest two.
+    fn end(&mut self, k: &mut NearestTwos<N>);
+
+    /// Corrects the answers of the winners that planes cut.
+    fn certify(&self, strip: &Strip<N>, certify: &Certify<'_, f32>, k: &NearestTwos<N>, answers: &mut StripAnswers<N>);
+
+    /// All bits if the nearest hit of a lane is on a plane.
+    fn on_face(&self, l: usize) -> u32;
+}
+
+/// No plane cuts a sphere.
+pub(super) struct Whole;
+
+impl<const N: usize> Solids<N> for Whole {
+    #[inline(always)]
+    fn take(&mut self, _: &Strip<N>, _: &Certify<'_, f32>, _: u32, _: &impl Passed<N>, _: &mut NearestTwos<N>) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn least(&self, _: usize, low: f32) -> f32 {
+        low
+    }
+
+    #[inline(always)]
+    fn end(&mut self, _: &mut NearestTwos<N>) {}
+
+    #[inline(always)]
+    fn certify(&self, _: &Strip<N>, _: &Certify<'_, f32>, _: &NearestTwos<N>, _: &mut StripAnswers<N>) {}
+
+    #[inline(always)]
+    fn on_face(&self, _: usize) -> u32 {
+        0
     }
 }
 

@@ -115,6 +115,12 @@ impl Iterator for Places {
     }
 }
 
+/// Has all blocks tested, without the boxes, until the test ends the search.
+#[inline(always)]
+pub(crate) fn pass_all(tree: &Tree, test: &mut impl Test) {
+    (0..tree.blocks.len() as u32).take_while(|block| test.test(*block) >= 0.0).for_each(drop);
+}
+
 /// The spheres of a block that the ray may meet before `limit`.
 #[inline(always)]
 pub(crate) fn may_intersect<L: Lanes>(l: L, tree: &Tree, block: u32, ray: &BoxRay, limit: f32) -> Places {
