@@ -84,6 +84,16 @@ impl CutPlane {
         Err(Error::scene(place(), problem, "give a direction of any length but zero, and a distance, all finite"))
     }
 
+    /// Whether another plane removes the same, exactly: one is a positive multiple of the other.
+    fn is_same(&self, other: &Self) -> bool {
+        let numbers =
+            |plane: &Self| [plane.normal[0], plane.normal[1], plane.normal[2], plane.distance].map(Dyadic::of);
+        let (a, b) = (numbers(self), numbers(other));
+        let is_parallel = |i: usize, j: usize| (&(&a[i] * &b[j]) - &(&a[j] * &b[i])).is_zero();
+        let along = dyadic::dot(&dyadic::vector(self.normal), &dyadic::vector(other.normal));
+        along.sign() == Ordering::Greater && (0..4).all(|i| (0..i).all(|j| is_parallel(i, j)))
+    }
+
     /// The exact place of a ball: removed where N.c - r |N| >= D, kept where N.c + r |N| <= D.
     fn side(&self, ball: Ball) -> Side {
         // A power of two brings any length of N into range.
@@ -187,6 +197,14 @@ impl Spheres {
             plane.check(|| Place::field(format!("cut {n}")))?;
         }
         check(2 * self.len() as u64, || format!("the cuts of {} spheres", self.len()))?;
+        // Equal planes meet each ray at one place, where nothing but exact arithmetic would tell them apart.
+        let mut different: Vec<CutPlane> = Vec::with_capacity(planes.len());
+        for plane in planes {
+            if !different.iter().any(|other| other.is_same(plane)) {
+                different.push(*plane);
+            }
+        }
+        let planes = different;
         let side = |n: usize| {
             let sides = planes.iter().map(|plane| plane.side(self.ball(n as u32)));
             let side = sides.fold(Side::Kept, |all, side| match (all, side) {
@@ -199,7 +217,7 @@ impl Spheres {
         };
         let of: Vec<u8> =
             parallel::collect(self.len(), CHEAP, &|range, flags| flags.extend(range.map(|n| side(n).flag())));
-        Ok(Cuts { planes: planes.to_vec(), of: of.into(), colors: None })
+        Ok(Cuts { planes, of: of.into(), colors: None })
     }
 
     /// Whether some plane cuts a sphere.
@@ -280,6 +298,17 @@ mod tests {
         let mut some = before.clone();
         some.cut(&planes, Some(&[false, false, true, true])).expect("planes");
         assert_eq!(some.cuts.as_ref().expect("cuts").of[..], [SPARED, SPARED, CUT, 0]);
+        // Planes that remove the same count once; the opposite side is another.
+        let twice = planes.map(|CutPlane { normal, distance }| CutPlane {
+            normal: normal.map(|x| 3.0 * x),
+            distance: 3.0 * distance,
+        });
+        let back = CutPlane { normal: [-1.0, 0.0, 0.0], distance: -0.5 };
+        let mut same = before.clone();
+        same.cut(&[planes, twice].concat(), None).expect("planes");
+        assert_eq!(same, all);
+        same.cut(&[&planes[..], &[back]].concat(), None).expect("planes");
+        assert_eq!(same.cuts.as_ref().expect("cuts").planes.len(), 3);
         let mut none = before.clone();
         none.cut(&[CutPlane { normal: [0.0, 0.0, 1.0], distance: 7.0 }], None).expect("a plane");
         assert_eq!(none, before);

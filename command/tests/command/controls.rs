@@ -56,8 +56,11 @@ fn check(dir: &TestDir, arguments: &str, selection: &str, cases: u32, seed: u64)
     for n in 0..cases {
         let select = (n % 3 == 1 && scene["selects"] == true).then_some(selection);
         let mut options = Map::new();
-        for row in rows.iter().filter(|_| rng.unit() < 0.35).collect::<Vec<_>>() {
-            let id = row["id"].as_str().expect("an option");
+        // The sliders clip or cut.
+        let planes = if rng.unit() < 0.5 { "clip" } else { "cut" };
+        let is_drawn = |row: &&Value| row["renames"].is_null() && rng.unit() < 0.35;
+        for row in rows.iter().filter(is_drawn).collect::<Vec<_>>() {
+            let id = row["id"].as_str().map(|id| if id == "clip" { planes } else { id }).expect("an option");
             let more = drawn(row, select, &mut rng).into_iter().map(Value::from);
             options.entry(id).or_insert_with(|| json!([])).as_array_mut().expect("a list").extend(more);
             all.push(id.to_owned());
@@ -91,7 +94,7 @@ fn drawn_controls_have_the_bytes_of_their_command() {
     ] {
         all.extend(check(&dir, arguments, selection, amount("stills with drawn controls", [6, 12, 12]), seed));
     }
-    for id in ["color_by", "map", "opacity", "layers", "background", "look", "samples", "clip"] {
+    for id in ["color_by", "map", "opacity", "layers", "background", "look", "samples", "clip", "cut"] {
         assert!(all.iter().any(|drawn| drawn == id), "{id} was never drawn");
     }
 }
@@ -263,6 +266,8 @@ fn options_of_a_hostile_page_are_refused() {
         ("clip", json!(["nan,0,0,1"]), "direction"),
         ("clip", json!(["1,0,0"]), "direction"),
         ("clip", json!([""]), "direction"),
+        ("cut", json!(["0,0,0,1"]), "direction"),
+        ("cut", json!(["cut"]), "direction"),
         ("opacity", json!(["0"]), "at most 1"),
         ("opacity", json!(["2"]), "at most 1"),
         ("opacity", json!(["not (mass)=0.5"]), "mass"),
@@ -281,6 +286,7 @@ fn options_of_a_hostile_page_are_refused() {
                 ("color_by", "/command"),
                 ("opacity", "/command"),
                 ("layers", "/fit"),
+                ("cut", "/fit"),
                 ("look", "/fit"),
                 ("samples", "/fit"),
                 ("background", "/fit"),
