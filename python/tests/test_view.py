@@ -98,7 +98,7 @@ def test_the_page_learns_the_scene(page: Page, molecule: hl.Scene) -> None:
     rows = {row["id"]: row for row in scene["controls"]}
     assert rows["look"]["values"] == ["plain", "soft", "figure"]
     assert rows["look"]["value"] == "soft"
-    assert set(rows) == {"look", "samples", "layers", "background", "opacity", "clip"}
+    assert set(rows) == {"look", "samples", "layers", "background", "opacity", "cut", "clip"}
     low, high = np.array(scene["extent"])
     assert np.array_equal(low, (molecule.centers - molecule.radii[:, None]).min(axis=0))
     assert scene["radius"] == pytest.approx(np.linalg.norm(high - low) / 2)
