@@ -21,7 +21,7 @@ const KNOWN: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// The depth, relative to the reference, of a centre behind all others, which hides nothing. Under parallel projection its hits are never
 /// certified: it is that of a sphere that may intersect the eye plane.
-pub(in crate::certify) const NEVER: f64 = -((1u128 << 126) as f64);
+const NEVER: f64 = -((1u128 << 126) as f64);
 
 /// A sphere before its projection into the image.
 #[derive(Default)]

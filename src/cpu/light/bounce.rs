@@ -147,19 +147,25 @@ fn push(
 impl Onward {
     /// The point that it meets first, and whether that is certain.
     fn nearest(&self, lighting: &LightingContext<'_>) -> (Option<SurfacePoint>, bool) {
+        let tree = lighting.tree;
+        let ray = self.from.onward(&tree.placement, self.along.to_array(), self.tilt);
+        let Some(boxes) = BoxRay::new(ray.placed(), ray.direction, ray.doubt()) else {
+            return (None, true);
+        };
         match &lighting.cuts {
-            None => self.nearest_whole(lighting.tree),
-            Some(cuts) => self.nearest_cut(lighting, cuts),
+            None => self.nearest_whole(tree, (ray, boxes)),
+            Some(cuts) => self.nearest_cut(tree, cuts, (ray, boxes)),
         }
     }
 
     /// The same among spheres that planes cut.
-    fn nearest_cut(&self, lighting: &LightingContext<'_>, cuts: &HitCuts<'_>) -> (Option<SurfacePoint>, bool) {
-        let (tree, from) = (lighting.tree, &self.from);
-        let ray = from.onward(&tree.placement, self.along.to_array(), self.tilt);
-        let Some(boxes) = BoxRay::new(ray.placed(), ray.direction, ray.doubt()) else {
-            return (None, true);
-        };
+    fn nearest_cut(
+        &self,
+        tree: &Tree,
+        cuts: &HitCuts<'_>,
+        (ray, boxes): (CertifiedRay, BoxRay),
+    ) -> (Option<SurfacePoint>, bool) {
+        let from = &self.from;
         // What leaves a face leaves what planes keep.
         let kept = match from.is_face && !self.within {
             true => Some(CutRay::beyond(ray)),
@@ -185,11 +191,8 @@ impl Onward {
         }
     }
 
-    fn nearest_whole(&self, tree: &Tree) -> (Option<SurfacePoint>, bool) {
-        let ray = self.from.onward(&tree.placement, self.along.to_array(), self.tilt);
-        let Some(boxes) = BoxRay::new(ray.placed(), ray.direction, ray.doubt()) else {
-            return (None, true);
-        };
+    /// The same among whole spheres.
+    fn nearest_whole(&self, tree: &Tree, (ray, boxes): (CertifiedRay, BoxRay)) -> (Option<SurfacePoint>, bool) {
         let own = self.within.then(|| (OWN, self.from.chord(&ray)));
         let limit = boxes.limit(own.map_or(f64::INFINITY, |(_, bounds)| bounds.high));
         let found =
