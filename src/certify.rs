@@ -82,9 +82,15 @@ impl<R: Number> Certify<'_, R> {
 
     /// The same for the general spheres of the ray's tile.
     pub(crate) fn general_lows(&self, s: &Slopes<R>) -> impl Iterator<Item = (R, u32)> {
-        let low = |slot: &u32| (general_low(s, &self.generals[*slot as usize], self.terms), GENERAL | *slot);
+        let low = |slot: &u32| (self.general_low(s, &self.generals[*slot as usize]), GENERAL | *slot);
         let [row, column] = self.pixel(s);
         self.general_lists.of(row, column).iter().map(low)
+    }
+
+    fn general_low(&self, s: &Slopes<R>, general: &General<R>) -> R {
+        // A cut sphere around the eye is hit at any depth from 0, or not at all.
+        let is_open = general.rank > 0 && !R::ZERO.less(general.power);
+        if is_open { R::ZERO } else { general_low(s, general, self.terms) }
     }
 
     /// The lower bound of depth of every candidate with its slot; certain misses are omitted.
@@ -145,6 +151,14 @@ impl<R: Number> Certify<'_, R> {
     #[inline(always)]
     pub(crate) fn reference(&self) -> f64 {
         self.projection.depth.into()
+    }
+
+    /// The place of a slot's sphere among those that planes cut ([`planes::Ranks`]); 0 for a whole one.
+    #[inline(always)]
+    pub(crate) fn rank(&self, slot: u32) -> u32 {
+        let place = (slot & !GENERAL) as usize;
+        let of_entry = || self.planes.map_or(0, |planes| planes.of_entries[place]);
+        if slot & GENERAL != 0 { self.generals[place].rank } else { of_entry() }
     }
 
     /// The id of the sphere in a slot.

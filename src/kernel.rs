@@ -75,12 +75,19 @@ pub(crate) struct Certificate {
     pub(crate) depth_interval: bool,
     /// Leaves the starts of rays from the hits on the device.
     pub(crate) starts: bool,
+    /// Planes cut some spheres.
+    pub(crate) planes: bool,
 }
 
 impl Certificate {
     /// The certificate without general spheres and further outputs; the judge decides the unproved pixels.
-    pub(crate) const PLAIN: Self =
-        Self { generals: Generals::None, unproved: Unproved::Unsure, depth_interval: false, starts: false };
+    pub(crate) const PLAIN: Self = Self {
+        generals: Generals::None,
+        unproved: Unproved::Unsure,
+        depth_interval: false,
+        starts: false,
+        planes: false,
+    };
 }
 
 /// The parameters that a kernel is compiled for.
@@ -91,6 +98,8 @@ pub(crate) struct Kernel {
     pub(crate) shade: Option<Shade>,
     /// The spheres have individual colours.
     pub(crate) colors: bool,
+    /// Their faces on planes have others.
+    pub(crate) face_colors: bool,
     /// Writes t.
     pub(crate) t: bool,
     /// Writes normals.
@@ -103,7 +112,7 @@ pub(crate) struct Kernel {
 impl Kernel {
     /// A kernel that writes ids only.
     pub(crate) fn bare(task: Task) -> Self {
-        Self { task, shade: None, colors: false, t: false, normal: false, samples: false }
+        Self { task, shade: None, colors: false, face_colors: false, t: false, normal: false, samples: false }
     }
 
     /// A kernel that tests every sphere by `method` for every viewing ray, and writes ids only.
@@ -175,6 +184,11 @@ impl Kernel {
     /// Whether it leaves the starts of rays from the hits on the device.
     pub(crate) fn leaves_starts(&self) -> bool {
         self.certificate().is_some_and(|certificate| certificate.starts)
+    }
+
+    /// Whether planes cut some of the spheres whose hits it certifies.
+    pub(crate) fn has_planes(&self) -> bool {
+        self.certificate().is_some_and(|certificate| certificate.planes)
     }
 
     /// Whether it writes the width of the depth interval.

@@ -47,3 +47,5 @@ const G: f32 = 4.0;
 const QUOTIENT: f32 = 15.0;
 const SUM_A: f32 = 6.0;
 const SUM: f32 = 11.0;
+// The depth of a plane: a quotient, and the product with an error.
+const PLANE_QUOTIENT: f32 = 4.0;

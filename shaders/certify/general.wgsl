@@ -12,13 +12,14 @@ struct General {
     by: vec2<f32>,
     start: f32,
     blur: f32,       // error of the host's rounding in p.d
+    rank: u32,       // of a sphere that planes cut; 0 for a whole one
 }
 
 // From the four vectors of its record.
 fn general_of(a: vec4<i32>, b: vec4<i32>, c: vec4<i32>, d: vec4<i32>) -> General {
     return General(
         bitcast<vec4<f32>>(a), bitcast<f32>(b.x), bitcast<f32>(b.y), bitcast<u32>(b.z), bitcast<u32>(b.w), c.xy,
-        bitcast<vec2<f32>>(c.zw), bitcast<f32>(d.x), bitcast<f32>(d.y),
+        bitcast<vec2<f32>>(c.zw), bitcast<f32>(d.x), bitcast<f32>(d.y), bitcast<u32>(d.z),
     );
 }
 

@@ -1,10 +1,5 @@
 // The general spheres of a ray: those of general_few.wgsl or general_lists.wgsl, which have general_at.
 
-// A general sphere, tested by one ray.
-fn test_general(s: Slopes, k: NearestTwo, n: u32) -> NearestTwo {
-    return with_candidate(k, general_low(s, general_at(n)), GENERAL | n);
-}
-
 // The winner's answer if it is a general sphere, otherwise `other`.
 fn certify_general(s: Slopes, k: NearestTwo, other: Answer) -> Answer {
     if ((k.slot & GENERAL) != 0u && k.slot != NONE) {

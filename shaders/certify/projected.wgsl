@@ -18,8 +18,25 @@ fn projected_low(s: Slopes, f: Projected) -> f32 {
     return select(low, MISS, disc < -error);
 }
 
-// The winner's answer and its bounds: docs/certificate.md, section 2.
-fn projected_answer(s: Slopes, f: Projected, more: ProjectedDetail) -> Answer {
+// The near root of a sphere, and the numbers that its bounds are made of: docs/certificate.md, section 2.
+struct Solved {
+    o: vec2<f32>,  // the offset, and its square
+    o2: f32,
+    disc: f32,
+    error: f32,
+    root: f32,     // of the discriminant, and its bounds
+    most: f32,
+    least: f32,
+    along: f32,    // the slope along the offset; it and the largest root
+    total: f32,
+    length: f32,   // the depth of a unit of the roots
+    mixed: f32,    // the error in that unit, and of a depth
+    blur: f32,
+    low: f32,
+    hits: bool,
+}
+
+fn projected_solved(s: Slopes, f: Projected, more: ProjectedDetail) -> Solved {
     let half = 1i << (projection.shift - 1u);
     let column = (f.x + half) >> projection.shift;
     let row = (f.y + half) >> projection.shift;
@@ -44,13 +61,20 @@ fn projected_answer(s: Slopes, f: Projected, more: ProjectedDetail) -> Answer {
     let mixed = UNIT * ((TOTAL + TOTAL_SLANT * slant2) * total + ALONG * steep + ROOT * most) + slant * e;
     let blur = (mixed * length + UNIT * CENTER * abs(more.center)) * INFLATE + DEPTH * depth;
     let low = more.center - (along + most) * length - blur;
-    let high = more.center - (along + least) * length + blur;
-    let k = (along + root) * s.inverse;
-    let normal = unit3(vec3<f32>(dx - k * s.x, dy - k * s.y, k));
-    let off = sqrt(s.a) * (mixed + (most - least)) * s.inverse + UNIT * TURN * (total + sqrt(o2)) + e;
     // A root that is not certainly in front of the eye is not certainly the hit.
     let hits = crosses && projection.depth + low > VANISH;
-    let depth_interval = (high - low + blur) * INFLATE;
+    return Solved(vec2<f32>(dx, dy), o2, disc, error, root, most, least, along, total, length, mixed, blur, low, hits);
+}
+
+// The winner's answer and its bounds.
+fn projected_answer(s: Slopes, f: Projected, more: ProjectedDetail) -> Answer {
+    let n = projected_solved(s, f, more);
+    let high = more.center - (n.along + n.least) * n.length + n.blur;
+    let k = (n.along + n.root) * s.inverse;
+    let normal = unit3(vec3<f32>(n.o.x - k * s.x, n.o.y - k * s.y, k));
+    let e = projection.edge;
+    let off = sqrt(s.a) * (n.mixed + (n.most - n.least)) * s.inverse + UNIT * TURN * (n.total + sqrt(n.o2)) + e;
+    let depth_interval = (high - n.low + n.blur) * INFLATE;
     let turn = (off / f.rho + UNIT * SURFACE) * INFLATE;
-    return Answer(hits && off < NORMAL * f.rho, hits, more.id, -(along + root) * length, low, high, depth_interval, normal, turn);
+    return Answer(n.hits && off < NORMAL * f.rho, n.hits, more.id, -(n.along + n.root) * n.length, n.low, high, depth_interval, normal, turn);
 }

@@ -1,7 +1,8 @@
 // The certified kernel, once per pixel: it reads the minima that spheres left there (shaders/splat), certifies the
 // winner, and writes the outputs.
 
-// For every pixel of the band the least depth, then the slots, then the second least depths, all inverted, so that 0 is none.
+// For every pixel of the band the least depth, then the slots, then the second least depths, and where planes cut spheres the ranks of
+// faces, all inverted, so that 0 is none.
 @group(0) @binding(BIND_MINIMA) var<storage, read_write> minima: array<u32>;
 
 var<private> answer: Answer;
@@ -12,14 +13,9 @@ fn winner_record(slot: u32) -> Projected {
     return projected_of(uncut(projected[slot - block_pass.first]));
 }
 
-fn projected_detail(slot: u32) -> ProjectedDetail {
-    let v = projected[block_pass.count + slot - block_pass.first];
-    return ProjectedDetail(vec2<f32>(bitcast<f32>(v.x), bitcast<f32>(v.y)), bitcast<f32>(v.z), bitcast<u32>(v.w));
-}
-
 // The depth of the winner's centre, in f64.
 fn center_depth() -> vec2<u32> {
-    var bits = vec2<u32>(0u, 0u);
+    var bits = depth_of_face(winner);
     if ((winner & GENERAL) == 0u) {
         let n = winner - block_pass.first;
         let two = bitcast<vec4<u32>>(projected[2u * block_pass.count + n / 2u]);
@@ -49,14 +45,15 @@ fn main(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index)
     let to = sample_position(at);
     let s = slopes_of(frame_constants(), to);
     let found = NearestTwo(depth_of(minima[pixel]), depth_of(minima[2u * pixels + pixel]), ~minima[pixels + pixel]);
-    let k = nearest_two_generals(s, found, tile);
+    begin_solids(s, pixel, pixels);
+    let k = with_face(nearest_two_generals(s, found, tile));
     // The block of the winner has its record; the first one has those of no block.
     let own = select(k.slot - block_pass.first < block_pass.count, block_pass.first == 0u, (k.slot & GENERAL) != 0u);
     if (!own) {
         return;
     }
     winner = k.slot;
-    answer = certify_winner(s, k);
+    answer = certify_solid(s, k);
     // A depth without its sphere would be a miss that nothing proves.
     proved = (k.slot == NONE && k.low == BEYOND) || (k.slot != NONE && taken(answer, k));
     if (!proved) {

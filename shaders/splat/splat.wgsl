@@ -2,7 +2,8 @@
 // slot of the smallest. They take minima, so the order of the spheres does not matter. A third pass finds the spheres
 // among which the host decides an unsure pixel.
 
-// For every pixel of the band the least depth, then the slots, then the second least depths, all inverted, so that 0 is none.
+// For every pixel of the band the least depth, then the slots, then the second least depths, and where planes cut spheres the ranks of
+// faces, all inverted, so that 0 is none.
 @group(0) @binding(BIND_MINIMA) var<storage, read_write> minima: array<atomic<u32>>;
 @group(0) @binding(BIND_FRAME_ID) var<storage, read_write> frame_id: array<u32>;
 
@@ -12,7 +13,7 @@ fn splat(c: Frame, f: Projected, slot: u32, at: vec2<u32>) {
     if (c.mode == PAIRS_OF_UNSURE && frame_id[pixel] != UNSURE) {
         return;
     }
-    let low = projected_low(slopes_of(c, sample_position(at)), f);
+    let low = solid_low(c, slopes_of(c, sample_position(at)), f, slot, pixel);
     if (low >= MISS) {
         return;
     }

@@ -6,12 +6,12 @@ use super::entry::Bin;
 use super::general::GeneralRecord;
 use super::general_lists::{GeneralLists, GeneralTree};
 use super::grouped::{Grouped, GroupedBins};
-use super::planes::PlaneRecords;
+use super::planes::{PlaneRecords, Ranks};
 use super::projection::cover::Coverage;
 pub(crate) use super::projection::cover::Through;
 use super::projection::project::LaneBatch;
 use super::projection::stage::Staged;
-use super::projection::{ProjectionBounds, UNKNOWN, host_cull_margin};
+use super::projection::{ProjectionBounds, host_cull_margin};
 use super::records::{RecordMaker, SPHERES_PER_JOB, SphereOrder};
 use super::reference::{joined, reference};
 use super::terms::{TERMS, Terms};
@@ -151,13 +151,8 @@ impl Binning<'_> {
         let Self { scene, view, tolerance, level, through, pool, .. } = *self;
         let SphereBins { bins, mut generals, projected_count, entries, range } = bins;
         let cuts = scene.spheres.cuts.as_ref();
-        let whole = if cuts.is_some() { generals.clone() } else { Vec::new() };
-        // A cut sphere with the eye inside is hit at any depth from 0, or not at all.
-        let is_open =
-            |general: &GeneralRecord| general.power <= 0.0 && cuts.is_some_and(|cuts| cuts.is_cut(general.id));
-        for general in generals.iter_mut().filter(|general| is_open(general)) {
-            (general.power, general.form, general.blur) = (0.0, 1, UNKNOWN);
-        }
+        let ranks = cuts.map(|cuts| Ranks::new(&scene.spheres, cuts));
+        ranks.iter().for_each(|ranks| ranks.mark(&mut generals));
         let size = [scene.image.width, scene.image.height];
         let record = projection.record(reference, tolerance, generals.len());
         let margin = host_cull_margin(tolerance);
@@ -175,9 +170,9 @@ impl Binning<'_> {
         let near = GeneralTree::new(projection, &generals, size, margin);
         let general_lists = near.lists(view.record.tiles(), level);
         let deepest = range.map_or(0.0, |[_, deepest]| deepest);
-        let planes = cuts.map(|cuts| {
-            PlaneRecords::new((&scene.spheres, cuts), view, projection, (&lists, whole), (reference, deepest))
-        });
+        let planes = cuts
+            .zip(ranks.as_ref())
+            .map(|cuts| PlaneRecords::new(cuts, view, projection, (&lists, &generals), (reference, deepest)));
         BinnedScene { projection: record, lists, generals, general_lists, projected_count, planes }
     }
 }

@@ -87,6 +87,8 @@ constants! {
     const SUM_A = 6.0;
     /// The same, constant part.
     const SUM = 11.0;
+    /// The depth of a plane as a quotient, and the product with an error.
+    const PLANE_QUOTIENT = 4.0;
 }
 
 /// The constants for given rays on devices. On the host only tests use them. shaders/certify/given_constants.wgsl has

@@ -24,8 +24,10 @@ pub(crate) struct GeneralRecord {
     pub(crate) by: [f32; 2],
     pub(crate) start: f32,
     pub(crate) blur: f32,
+    /// The place of a sphere that planes cut among these ([`super::planes::Ranks`]); 0 for a whole one.
+    pub(crate) rank: u32,
     /// WGSL rounds the size up to the alignment of center_radius.
-    pub(crate) unused: [f32; 2],
+    pub(crate) unused: f32,
 }
 
 /// The record in the number type of a twin.
@@ -40,6 +42,7 @@ pub(crate) struct General<R> {
     pub(super) start: R,
     pub(super) by: [R; 2],
     pub(super) blur: R,
+    pub(crate) rank: u32,
 }
 
 impl<R: Number> General<R> {
@@ -54,6 +57,7 @@ impl<R: Number> General<R> {
             start: R::from_f32(n.start),
             by: n.by.map(R::from_f32),
             blur: R::from_f32(n.blur),
+            rank: n.rank,
         }
     }
 }

@@ -5,6 +5,7 @@ pub(crate) use super::placing_record::PlacingRecord;
 
 use super::binned::BinnedScene;
 use super::general_lists::GeneralTree;
+use super::planes::{PlaneRecords, Ranks};
 use super::projection::stage::Staged;
 use super::projection::{ProjectionBounds, WIDEST, host_cull_margin};
 use super::reference::{joined, reference};
@@ -18,6 +19,10 @@ use crate::view::View;
 use halfline_ground::error::Result;
 use halfline_ground::memory::Pool;
 use halfline_ground::parallel::{self, CHEAP};
+
+/// Above the factor by which a device's f32 may understate the depth of a sphere that it places: 2^-20 of |c|_1 + r, which is below 112
+/// times the depth.
+const DEPTHS_ROUNDED: f64 = 1.0 + 1.0 / 4096.0;
 
 /// The result of placing all spheres on a device.
 #[derive(Debug, Default)]
@@ -79,7 +84,13 @@ impl Placer {
 
     /// Places the spheres that a device left, and decides the reference depth, which equals that of
     /// [`BinnedScene::new`].
-    pub(crate) fn by_host(&self, scene: &Scene, view: &View, summary: &PlacedSummary, pool: &Pool) -> ByHost {
+    pub(crate) fn by_host(
+        &self,
+        (scene, ranks): (&Scene, Option<&Ranks>),
+        view: &View,
+        summary: &PlacedSummary,
+        pool: &Pool,
+    ) -> ByHost {
         let stage = |reference: f64| -> Vec<Staged> {
             parallel::values(summary.for_host.len(), CHEAP, |n| self.stage(scene, summary.for_host[n], reference))
         };
@@ -117,11 +128,20 @@ impl Placer {
         }
         let tiles = view.record.tiles();
         let margin = host_cull_margin(self.tolerance);
+        let cuts = scene.spheres.cuts.as_ref().zip(ranks);
+        cuts.iter().for_each(|(_, ranks)| ranks.mark(&mut generals));
+        // As of spheres that the host bins.
+        let margin = if cuts.is_none() { margin } else { f64::INFINITY };
         let general_lists = GeneralTree::new(&self.projection, &generals, self.image, margin).lists(tiles, 0);
         let projection = self.projection.record(reference, self.tolerance, generals.len());
         let lists = Lists::of_tiles(tiles, &[]);
+        let placed = guests.iter().map(|guest| guest.depth);
+        let deepest = [summary.depths, summary.perhaps].into_iter().flatten().map(|[_, most]| most).chain(placed);
+        let deepest = deepest.fold(0.0, f64::max) * DEPTHS_ROUNDED;
+        let planes =
+            cuts.map(|cuts| PlaneRecords::new(cuts, view, &self.projection, (&lists, &generals), (reference, deepest)));
         ByHost {
-            binned: BinnedScene { projection, lists, generals, general_lists, projected_count: 0, planes: None },
+            binned: BinnedScene { projection, lists, generals, general_lists, projected_count: 0, planes },
             guests,
             reference,
         }

@@ -2,10 +2,10 @@
 //! docs/certificate.md, section 9a, derives the bounds.
 
 use super::answer::{Answer, ProjectionRecord, Slopes};
-use super::constants::{BEYOND, INFLATE, UNIT, VANISH};
-use super::general::{GENERAL, General, GeneralRecord};
+use super::constants::{BEYOND, INFLATE, PLANE_QUOTIENT, UNIT, VANISH};
+use super::general::GeneralRecord;
 use super::projected::Roots;
-use super::projection::{ProjectionBounds, UNKNOWN};
+use super::projection::ProjectionBounds;
 use super::terms::Terms;
 use super::tiles::Lists;
 use crate::double_double as dd;
@@ -14,101 +14,114 @@ use crate::scene::{Cuts, Spheres};
 use crate::view::View;
 use crate::view::planes::{EyePlane, EyePlanes};
 use crate::view::ray::{NONE, dot3};
+use bytemuck::{Pod, Zeroable};
 use halfline_ground::parallel::{self, CHEAP};
 use std::cmp::Ordering;
-
-/// Error of a quotient in WGSL, and of its product with an error, in multiples of [`UNIT`].
-const QUOTIENT: f32 = 4.0;
 
 /// Error of the host in a numerator and a denominator, relative to the sizes of their terms: fewer than 8 roundings, those of the
 /// axes among them.
 const HOST: f64 = 8.0 * f64::EPSILON;
 
-/// The largest size of a numerator or a denominator, which leaves room for their products with errors.
-const MOST: f64 = (1u128 << 100) as f64;
+/// The largest size of a numerator, which leaves room for its quotients by the error of a denominator, which is at least 2^-49 as N has a
+/// length of 1 at least.
+const MOST: f64 = (1u128 << 90) as f64;
 
 /// A plane N.p = D as the rays of a view meet it: at the depth (relative to the reference) of a numerator over a denominator, both of
-/// which are linear in the pixel.
-#[derive(Debug, Clone, Copy, PartialEq)]
+/// which are linear in the pixel. Declared in shaders/certify/planes.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct PlaneRecord {
-    /// Value at the middle pixel, per column, and per row.
-    pub(super) num: [f32; 3],
-    pub(super) den: [f32; 3],
-    /// Bounds of the host's errors.
-    pub(super) blur: [f32; 2],
-    /// Whether the eye from which all rays come is exactly on the plane.
-    pub(super) holds_eye: bool,
+    /// Value at the middle pixel, per column, and per row; and a bound of the host's error.
+    pub(super) num: [f32; 4],
+    pub(super) den: [f32; 4],
     /// N / |N| to the right, up and back.
     pub(crate) normal: [f32; 3],
+    /// [`HOLDS_EYE`], [`OUT_OF_RANGE`].
+    pub(super) state: u32,
 }
 
-/// The planes of a frame, and the order of the faces of its spheres.
-#[derive(Debug, Clone)]
-pub(crate) struct PlaneRecords {
-    pub(crate) planes: Vec<PlaneRecord>,
+/// The state of a plane that holds the eye exactly, from which all rays come.
+pub(crate) const HOLDS_EYE: u32 = 1;
+/// The state of a plane whose numbers f32 does not hold.
+pub(crate) const OUT_OF_RANGE: u32 = 2;
+
+/// The numbers of planes that do not depend on the ray, declared in shaders/certify/planes.wgsl.
+#[repr(C)]
+#[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
+pub(crate) struct PlaneHead {
     /// Column and row of the middle pixel.
     pub(crate) middle: [i32; 2],
     /// Above the distance of every point of a cut sphere in a list from the reference depth, in front of the eye.
     pub(crate) reach: f32,
-    /// Of each entry in lists of tiles its sphere's place, from 1 on, among cut ones by radius and id; 0 for whole ones. Of several faces
-    /// at one place the least shows.
-    ranks: Vec<u32>,
-    /// The same of the general spheres, and these as if whole.
-    general_ranks: Vec<u32>,
-    generals: Vec<GeneralRecord>,
+    /// The number of planes.
+    pub(crate) count: u32,
+}
+
+/// The planes of a frame.
+#[derive(Debug, Clone)]
+pub(crate) struct PlaneRecords {
+    pub(crate) head: PlaneHead,
+    pub(crate) planes: Vec<PlaneRecord>,
+    /// The rank of the sphere of each entry in lists of tiles.
+    pub(super) of_entries: Vec<u32>,
+}
+
+/// The order of spheres that planes cut, by radius and id. A sphere's rank is its place there, from 1 on; 0 for a whole one. Of several
+/// faces at one place that of the least rank shows.
+#[derive(Debug, Clone)]
+pub(crate) struct Ranks {
+    /// The rank of each sphere.
+    of: Vec<u32>,
+    /// The cut spheres in order.
+    pub(crate) ids: Vec<u32>,
+    /// The largest radius of a cut sphere.
+    largest: f64,
+}
+
+impl Ranks {
+    pub(crate) fn new(spheres: &Spheres, cuts: &Cuts) -> Self {
+        let mut ids: Vec<u32> = parallel::collect(spheres.len(), CHEAP, &|range, out| {
+            out.extend(range.map(|n| n as u32).filter(|id| cuts.is_cut(*id)));
+        });
+        let radius = |id: &u32| spheres.radii[*id as usize];
+        parallel::sort(&mut ids, |a, b| radius(a).total_cmp(&radius(b)).then(a.cmp(b)));
+        let mut of = vec![0; spheres.len()];
+        (1..).zip(&ids).for_each(|(rank, id)| of[*id as usize] = rank);
+        let largest = ids.last().map_or(0.0, radius);
+        Self { of, ids, largest }
+    }
+
+    /// The rank of a sphere.
+    pub(crate) fn rank(&self, id: u32) -> u32 {
+        self.of.get(id as usize).copied().unwrap_or_default()
+    }
+
+    /// Writes the ranks of general spheres into their records.
+    pub(super) fn mark(&self, generals: &mut [GeneralRecord]) {
+        generals.iter_mut().for_each(|general| general.rank = self.rank(general.id));
+    }
 }
 
 impl PlaneRecords {
     /// The planes of a view of spheres in these lists, whose centres have depths up to `deepest`.
     pub(super) fn new(
-        (spheres, cuts): (&Spheres, &Cuts),
+        (cuts, ranks): (&Cuts, &Ranks),
         view: &View,
         projection: &ProjectionBounds,
-        (lists, generals): (&Lists, Vec<GeneralRecord>),
+        (lists, generals): (&Lists, &[GeneralRecord]),
         (reference, deepest): (f32, f64),
     ) -> Self {
         let middle = [view.record.width, view.record.height].map(|n| (n / 2) as i32);
         let one = |plane: &EyePlane| PlaneRecord::new(plane, view, projection, (middle, reference.into()));
-        let eye = EyePlanes::new(cuts, view.basis.e);
-        let order = by_radius(spheres, cuts);
-        let largest = order.last().map_or(0.0, |id| dd::ldexp(spheres.radii[*id as usize], -view.unit));
+        let planes: Vec<PlaneRecord> = EyePlanes::new(cuts, view.basis.e).iter().map(one).collect();
+        let largest = dd::ldexp(ranks.largest, -view.unit);
         let deep =
             |GeneralRecord { center_radius: [.., z, r], scale, .. }: &GeneralRecord| f64::from((z.abs() + r) * scale);
         let deepest = generals.iter().map(deep).fold(deepest + largest, f64::max);
-        let reach = deepest.max(reference.into()) * f64::from(INFLATE);
-        let mut by_id = vec![0; spheres.len()];
-        (1..).zip(order).for_each(|(rank, id)| by_id[id as usize] = rank);
-        let rank = |id: u32| by_id.get(id as usize).copied().unwrap_or_default();
-        let ranks = parallel::map(&lists.details, |detail| rank(detail.id));
-        let general_ranks = generals.iter().map(|general| rank(general.id)).collect();
-        let planes = eye.iter().map(one).collect();
-        Self { planes, middle, reach: reach as f32, ranks, general_ranks, generals }
+        let reach = (deepest.max(reference.into()) * f64::from(INFLATE)) as f32;
+        let of_entries = parallel::map(&lists.details, |detail| ranks.rank(detail.id));
+        Self { head: PlaneHead { middle, reach, count: planes.len() as u32 }, planes, of_entries }
     }
-}
-
-impl PlaneRecords {
-    /// The place of a slot's sphere among cut ones by radius and id, from 1 on; 0 for a whole one.
-    #[inline(always)]
-    pub(crate) fn rank(&self, slot: u32) -> u32 {
-        let place = (slot & !GENERAL) as usize;
-        if slot & GENERAL == 0 { self.ranks[place] } else { self.general_ranks[place] }
-    }
-
-    /// A general sphere as if whole.
-    #[inline(always)]
-    pub(crate) fn general<R: Number>(&self, place: u32) -> General<R> {
-        General::new(&self.generals[place as usize])
-    }
-}
-
-/// The cut spheres by radius and id.
-fn by_radius(spheres: &Spheres, cuts: &Cuts) -> Vec<u32> {
-    let mut order: Vec<u32> = parallel::collect(spheres.len(), CHEAP, &|range, out| {
-        out.extend(range.map(|n| n as u32).filter(|id| cuts.is_cut(*id)));
-    });
-    let radius = |id: &u32| spheres.radii[*id as usize];
-    parallel::sort(&mut order, |a, b| radius(a).total_cmp(&radius(b)).then(a.cmp(b)));
-    order
 }
 
 impl PlaneRecord {
@@ -136,13 +149,14 @@ impl PlaneRecord {
             )
         };
         let normal = [right, up, -ahead].map(|x| (x / length) as f32);
-        let holds_eye = *side == Ordering::Equal && !projection.parallel;
-        if sizes.iter().all(|size| *size < MOST) {
-            let blur = sizes.map(|size| (HOST * size) as f32 * INFLATE);
-            Self { num: num.map(|x| x as f32), den: den.map(|x| x as f32), blur, holds_eye, normal }
-        } else {
-            Self { num: [0.0; 3], den: [0.0; 3], blur: [UNKNOWN; 2], holds_eye, normal }
+        let eye = if *side == Ordering::Equal && !projection.parallel { HOLDS_EYE } else { 0 };
+        if sizes.iter().any(|size| *size > MOST) {
+            return Self { normal, state: eye | OUT_OF_RANGE, ..Self::zeroed() };
         }
+        let linear = |[start, right, down]: [f64; 3], size: f64| {
+            [start as f32, right as f32, down as f32, (HOST * size) as f32 * INFLATE]
+        };
+        Self { num: linear(num, sizes[0]), den: linear(den, sizes[1]), normal, state: eye }
     }
 }
 
@@ -175,26 +189,27 @@ impl<R: Number> Kept<R> {
         self,
         s: &Slopes<R>,
         (plane, index): (&PlaneRecord, u32),
-        ([column, row], reach): ([i32; 2], f32),
+        head: &PlaneHead,
         (projection, terms): (&ProjectionRecord, &Terms),
     ) -> Self {
         let c = R::from_f32;
-        let (dx, dy) = (R::from_i32(s.column - column), R::from_i32(s.row - row));
+        let (dx, dy) = (R::from_i32(s.column - head.middle[0]), R::from_i32(s.row - head.middle[1]));
         let [of_start, of_steps] = terms.along.map(c);
-        let sum = |[start, right, down]: [f32; 3], blur: f32| {
+        let sum = |[start, right, down, blur]: [f32; 4]| {
             let (start, right, down) = (c(start), dx * c(right), dy * c(down));
             let sizes = of_start * start.abs() + of_steps * (right.abs() + down.abs());
             (start + right + down, (c(UNIT) * sizes + c(blur) + c(VANISH)) * c(INFLATE))
         };
-        let (num, num_error) = sum(plane.num, plane.blur[0]);
-        let (den, den_error) = sum(plane.den, plane.blur[1]);
+        let (num, num_error) = sum(plane.num);
+        let (den, den_error) = sum(plane.den);
         let (size, width) = (num.abs(), den.abs());
+        let [holds_eye, unknown] = [HOLDS_EYE, OUT_OF_RANGE].map(|state| plane.state & state != 0);
         // A plane that no part of the ray within reach of the spheres passes.
-        let far = ((width + den_error) * c(reach) * c(INFLATE)).less(size - num_error);
+        let far = ((width + den_error) * c(head.reach) * c(INFLATE)).less(size - num_error);
         let clear = !far & (den_error + den_error).less(width);
         let at = num / clear.pick(den, R::ONE);
         let error = ((num_error + at.abs() * den_error) / clear.pick(width - den_error, R::ONE)
-            + c(UNIT * QUOTIENT) * at.abs()
+            + c(UNIT * PLANE_QUOTIENT) * at.abs()
             + c(VANISH))
             * c(INFLATE);
         let place = [at - error, at + error];
@@ -202,11 +217,11 @@ impl<R: Number> Kept<R> {
         let leaves = clear & R::ZERO.less(den);
         let enters = clear & den.less(R::ZERO);
         // Behind the eye, or through it.
-        let behind = place[1].less(eye) | plane.holds_eye;
+        let behind = place[1].less(eye) | holds_eye;
         let ahead = enters & !behind;
         let later = ahead & self.entry[1].less(place[0]);
         let sooner = ahead & place[1].less(self.entry[0]);
-        let doubtful = (ahead & !later & !sooner) | !(far | clear);
+        let doubtful = (ahead & !later & !sooner) | !(far | clear) | unknown;
         let entry = [0, 1].map(|k| (ahead & self.entry[k].less(place[k])).pick(place[k], self.entry[k]));
         let exit = [0, 1].map(|k| (leaves & place[k].less(self.exit[k])).pick(place[k], self.exit[k]));
         Self {

@@ -27,7 +27,7 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 84] = files![
+const FILES: [(&str, &str); 94] = files![
     "view.wgsl" "math.wgsl" "hash.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
@@ -37,6 +37,8 @@ const FILES: [(&str, &str); 84] = files![
     "splat/order.wgsl" "splat/frame.wgsl" "splat/list.wgsl" "splat/splat.wgsl" "splat/small.wgsl" "splat/large.wgsl"
     "certify/constants.wgsl" "certify/projection.wgsl" "certify/projected.wgsl" "certify/general.wgsl"
     "certify/nearest_general.wgsl" "certify/general_few.wgsl" "certify/general_lists.wgsl" "certify/no_general.wgsl"
+    "certify/roots.wgsl" "certify/planes.wgsl" "certify/detail.wgsl" "certify/whole.wgsl" "certify/cut.wgsl"
+    "certify/whole_general.wgsl" "certify/cut_general.wgsl" "splat/whole.wgsl" "splat/cut.wgsl" "shade/face_color.wgsl"
     "certify/nearest_two.wgsl" "certify/certify_winner.wgsl" "certify/take_proved.wgsl" "certify/take_nearest.wgsl"
     "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
     "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
@@ -111,12 +113,12 @@ fn shown(name: &str) -> String {
 /// The shaders of a frame, in the order in which they run: before a certified kernel the steps of a resident frame. Those of large
 /// spheres run only where there are some.
 pub(crate) fn shaders(kernel: &Kernel) -> Vec<(&'static str, Source)> {
-    let samples = kernel.samples;
+    let (samples, planes) = (kernel.samples, kernel.has_planes());
     let steps = [
         ("place the spheres", Step::Place),
         ("cut large spheres that the host placed", Step::Guests),
-        ("spheres of few pixels", Step::Small { samples }),
-        ("pieces of large spheres", Step::Large { samples }),
+        ("spheres of few pixels", Step::Small { samples, planes }),
+        ("pieces of large spheres", Step::Large { samples, planes }),
     ];
     if !kernel.is_certified() {
         return vec![("test every sphere", compose(kernel))];
@@ -175,9 +177,10 @@ fn search(method: Method, rays: RaySource, parts: &mut Vec<Part>) {
 }
 
 /// The parts that certify each pixel's nearest sphere, from the minima that the spheres left in the pixels.
-fn certify(Certificate { generals, unproved, starts, .. }: Certificate, parts: &mut Vec<Part>) {
+fn certify(Certificate { generals, unproved, starts, planes, .. }: Certificate, parts: &mut Vec<Part>) {
     parts.extend(files(["certify/constants.wgsl", "certify/projection.wgsl", "certify/projected.wgsl"]));
-    let some = |of: &'static str| files(["certify/general.wgsl", "certify/nearest_general.wgsl", of]);
+    let test = if planes { "certify/cut_general.wgsl" } else { "certify/whole_general.wgsl" };
+    let some = |of: &'static str| files(["certify/general.wgsl", "certify/nearest_general.wgsl", test, of]);
     match generals {
         Generals::None => parts.extend(files(["certify/no_general.wgsl"])),
         Generals::Few => parts.extend(some("certify/general_few.wgsl")),
@@ -190,7 +193,11 @@ fn certify(Certificate { generals, unproved, starts, .. }: Certificate, parts: &
         Unproved::Nearest => "certify/take_nearest.wgsl",
     };
     parts.extend(files(["place/placing.wgsl", "splat/order.wgsl", "splat/frame.wgsl", "certify/nearest_two.wgsl"]));
-    parts.extend(files(["certify/certify_winner.wgsl", take, start, "main/certified.wgsl"]));
+    parts.extend(files(["certify/detail.wgsl", "certify/certify_winner.wgsl", take, start, "main/certified.wgsl"]));
+    match planes {
+        true => parts.extend(files(["certify/roots.wgsl", "certify/planes.wgsl", "certify/cut.wgsl"])),
+        false => parts.extend(files(["certify/whole.wgsl"])),
+    }
 }
 
 /// The parts that search for a given ray's hit and certify it.
@@ -218,11 +225,15 @@ pub(crate) enum Step {
     Small {
         /// Whether rays go through samples of the pixels, not through their centres.
         samples: bool,
+        /// Whether planes cut some.
+        planes: bool,
     },
     /// Each piece of a large sphere visits its pixels.
     Large {
         /// Whether rays go through samples of the pixels, not through their centres.
         samples: bool,
+        /// Whether planes cut some.
+        planes: bool,
     },
     /// Rays leave from the hits toward the sky and lights.
     Sky,
@@ -253,7 +264,7 @@ fn position(samples: bool) -> Vec<Part> {
 pub(crate) fn compose_step(step: Step) -> Source {
     let mut parts = vec![binding_numbers(), sizes()];
     parts.extend(files(["view.wgsl", "math.wgsl", "place/placing.wgsl", "place/rectangle.wgsl"]));
-    let (samples, main) = match step {
+    let (samples, planes, main) = match step {
         Step::Place => {
             parts.extend(files(["place/float64.wgsl", "place/low.wgsl", "place/cut.wgsl", "place/place.wgsl"]));
             return Source::new(parts);
@@ -279,8 +290,8 @@ pub(crate) fn compose_step(step: Step) -> Source {
         Step::SkySums | Step::Smooth | Step::Unsure | Step::Scatter | Step::Picture { .. } => {
             return Source::new(picture(step));
         }
-        Step::Small { samples } => (samples, "splat/small.wgsl"),
-        Step::Large { samples } => (samples, "splat/large.wgsl"),
+        Step::Small { samples, planes } => (samples, planes, "splat/small.wgsl"),
+        Step::Large { samples, planes } => (samples, planes, "splat/large.wgsl"),
     };
     parts.extend(files(["main/window.wgsl"]));
     parts.extend(position(samples));
@@ -293,6 +304,12 @@ pub(crate) fn compose_step(step: Step) -> Source {
         "splat/splat.wgsl",
         main,
     ]));
+    match planes {
+        true => {
+            parts.extend(files(["certify/detail.wgsl", "certify/roots.wgsl", "certify/planes.wgsl", "splat/cut.wgsl"]))
+        }
+        false => parts.extend(files(["splat/whole.wgsl"])),
+    }
     Source::new(parts)
 }
 
@@ -340,7 +357,10 @@ fn shade(kernel: &Kernel, parts: &mut Vec<Part>) {
     };
     parts.extend(files([by, "shade/color.wgsl"]));
     if shade.needs_colors() {
-        parts.extend(colors_of_spheres(kernel.colors));
+        match kernel.face_colors {
+            true => parts.extend(files(["shade/face_color.wgsl"])),
+            false => parts.extend(colors_of_spheres(kernel.colors)),
+        }
     }
 }
 

@@ -14,7 +14,7 @@ pub(crate) struct Binding {
 }
 
 /// The inputs of kernels by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 34] = [
+const INPUTS: [&str; 35] = [
     "view",
     "spheres",
     "residuals",
@@ -28,6 +28,7 @@ const INPUTS: [&str; 34] = [
     "projected",
     "generals_storage",
     "generals_uniform",
+    "planes",
     "placing",
     "block_pass",
     "resident",
@@ -107,10 +108,13 @@ mod tests {
         let certified = [0, 1, 5].into_iter().map(Generals::of).flat_map(|generals| {
             let unproved = [Unproved::Unsure, Unproved::Nearest];
             unproved.into_iter().flat_map(move |unproved| {
-                let task = move |depth_interval, starts| {
-                    Task::Certified(Certificate { generals, unproved, depth_interval, starts })
+                let task = move |depth_interval, starts, planes| {
+                    Task::Certified(Certificate { generals, unproved, depth_interval, starts, planes })
                 };
-                both.into_iter().flat_map(move |interval| both.map(|starts| task(interval, starts)))
+                // The host traces rays from the hits of cut spheres.
+                let of_hits = [(false, false), (true, false), (false, true)];
+                both.into_iter()
+                    .flat_map(move |interval| of_hits.map(|(starts, planes)| task(interval, starts, planes)))
             })
         });
         let mut kernels = Vec::new();
@@ -119,7 +123,10 @@ mod tests {
                 let colors = both.into_iter().filter(|c| !c || shade.is_some_and(Shade::needs_colors));
                 for colors in colors {
                     for (t, normal) in both.into_iter().flat_map(|t| both.map(|normal| (t, normal))) {
-                        kernels.push(Kernel { shade, colors, t, normal, ..Kernel::bare(task) });
+                        let kernel = Kernel { shade, colors, t, normal, ..Kernel::bare(task) };
+                        kernels.push(kernel);
+                        kernels
+                            .extend((colors && kernel.has_planes()).then_some(Kernel { face_colors: true, ..kernel }));
                     }
                 }
             }
@@ -150,7 +157,10 @@ mod tests {
 
     /// Every step of a resident frame.
     fn steps() -> impl Iterator<Item = Step> {
-        let splats = [false, true].into_iter().flat_map(|samples| [Step::Small { samples }, Step::Large { samples }]);
+        let both = [false, true];
+        let kinds = both.into_iter().flat_map(move |samples| both.map(|planes| (samples, planes)));
+        let splats =
+            kinds.flat_map(|(samples, planes)| [Step::Small { samples, planes }, Step::Large { samples, planes }]);
         let pictures = [false, true].map(|colors| Step::Picture { colors });
         let of_pictures = [Step::SkySums, Step::Smooth, Step::Unsure, Step::Scatter];
         splats.chain([Step::Place, Step::Guests, Step::Sky]).chain(of_pictures).chain(pictures)
@@ -170,8 +180,9 @@ mod tests {
         let looks = 1 + 2 + 1 + 2;
         // Without general spheres, with few and with lists, and what is not proved settled or not.
         let certified = 3 * 2;
-        let centers = (Method::ALL.len() * 3 + certified * 4) * 4 * looks;
-        let sampled = (Method::ALL.len() + certified * 2) * looks;
+        // Of two looks the faces of cut spheres may have colours of their own.
+        let centers = ((Method::ALL.len() * 3 + certified * 6) * looks + certified * 2 * 2) * 4;
+        let sampled = (Method::ALL.len() + certified * 3) * looks + certified * 2;
         assert_eq!(modules.len(), centers + sampled + 4, "the list is complete");
     }
 
@@ -193,6 +204,7 @@ mod tests {
                 (certified, "projected"),
                 (certified, "block_pass"),
                 (certified, "minima"),
+                (kernel.has_planes(), "planes"),
                 (generals == Generals::Few, "generals_uniform"),
                 (generals == Generals::Lists, "generals_storage"),
                 (kernel.leaves_starts(), "starts"),
@@ -245,7 +257,7 @@ mod tests {
             cull_margin size);
         same!(certified "Projected", ProjectedRecord, x y rho low);
         same!(certified "ProjectedDetail", ProjectedDetailRecord, subpixel_offset center id);
-        same!(certified "General", GeneralRecord, center_radius power scale form id pixel by start blur);
+        same!(certified "General", GeneralRecord, center_radius power scale form id pixel by start blur rank);
         assert_eq!(constant(&certified, "GENERAL"), f64::from(crate::certify::GENERAL));
         assert_eq!(constant(&certified, "UNSURE"), f64::from(crate::view::ray::UNSURE));
         same!(module "View", ViewRecord, right up back background width height first_row rows half_du half_dv d spheres
@@ -296,7 +308,7 @@ mod tests {
         }
     }
 
-    /// Every number in the proof is a named constant, except 0, 1 and the 2 of a squared sum.
+    /// Every number in the proof is a named constant, except 0, 1, the 2 of a squared sum and the half of a middle.
     #[test]
     fn no_number_of_the_proof_is_without_a_name() {
         let all = kernels();
@@ -306,7 +318,7 @@ mod tests {
             let code = part.text.lines().map(|line| line.split("//").next().unwrap_or_default());
             let words = code.flat_map(|line| line.split(|c: char| !c.is_ascii_alphanumeric() && c != '.'));
             for word in words.filter(|word| word.contains('.') && word.starts_with(|c: char| c.is_ascii_digit())) {
-                assert!(["0.0", "1.0", "2.0"].contains(&word), "{word} in {}", part.name);
+                assert!(["0.0", "0.5", "1.0", "2.0"].contains(&word), "{word} in {}", part.name);
             }
         }
         assert!(names.len() > 5, "{names:?}");

@@ -17,6 +17,7 @@ use super::sizes::{HOST_SPHERES, PAIRS, PIECES};
 use super::transfers::{Band, few_generals, general_lists, largest_binding, uploads};
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{ByHost, Placer};
+use crate::certify::planes::PlaneRecords;
 use crate::certify::tiles::Placed;
 use crate::frame::report::Timings;
 use crate::kernel::{Certificate, Generals, Kernel, KernelOutput};
@@ -59,9 +60,13 @@ fn too_many_pairs() -> String {
     format!("more than {PAIRS} spheres lie at pixels that are not proved")
 }
 
-/// Bytes of a pixel in the largest binding of a frame besides the outputs: three minima, or two vectors of a ray's start.
-const MINIMA: u64 = 12;
+/// Bytes of the two vectors of a ray's start.
 const START: u64 = 32;
+
+/// Bytes of the minima of a pixel: two depths and a slot, and where planes cut spheres the rank of a face.
+fn minima(kernel: &Kernel) -> u64 {
+    if kernel.has_planes() { 16 } else { 12 }
+}
 
 /// Whether a device numbers so many spheres.
 fn can_hold(spheres: &Spheres) -> bool {
@@ -196,8 +201,9 @@ impl Gpu {
     fn kernel_of_frame(&self, kernel: &Kernel, binned: &BinnedScene) -> std::result::Result<Kernel, String> {
         let generals = Generals::of(binned.generals.len());
         let lists = usize::from(generals == Generals::Lists);
-        // Besides the outputs: records, minima, general spheres with their lists, colours.
-        let bound = KernelOutput::buffers(kernel).count() + 2 + lists + usize::from(kernel.colors);
+        // Besides the outputs: records, minima, general spheres with their lists, colours, planes.
+        let bound = KernelOutput::buffers(kernel).count() + 2 + lists;
+        let bound = bound + usize::from(kernel.colors) + usize::from(kernel.has_planes());
         let most = self.limits.max_storage_buffers_per_shader_stage as usize;
         if bound > most {
             return Err(format!("the kernel binds {bound} buffers, and the adapter at most {most}"));
@@ -206,10 +212,10 @@ impl Gpu {
     }
 
     fn compile_for_frame(&mut self, kernel: &Kernel) -> Result<()> {
-        let samples = kernel.samples;
-        self.compile(Program::Step(Step::Small { samples }))?;
+        let (samples, planes) = (kernel.samples, kernel.has_planes());
+        self.compile(Program::Step(Step::Small { samples, planes }))?;
         if self.resident.as_ref().is_some_and(|resident| resident.pieces > 0) {
-            self.compile(Program::Step(Step::Large { samples }))?;
+            self.compile(Program::Step(Step::Large { samples, planes }))?;
         }
         self.compile(Program::Kernel(*kernel))
     }
@@ -291,7 +297,8 @@ impl Gpu {
             let reason = format!("{} spheres lie around the eye or too near, more than {HOST_SPHERES}", counts.host);
             return Ok(Rendered::Left(reason));
         }
-        let ByHost { binned, guests, reference } = placer.by_host(scene, view, &counts.summary, pool);
+        let ranks = resident.ranks.as_ref();
+        let ByHost { binned, guests, reference } = placer.by_host((scene, ranks), view, &counts.summary, pool);
         if reference > 0.0 {
             self.refill("placing", bytemuck::bytes_of(&placer.record(reference)))?;
             counts = self.place_blocks(resident)?;
@@ -303,6 +310,10 @@ impl Gpu {
         }
         if counts.pieces > u64::from(PIECES) {
             return Ok(Rendered::Left(format!("more than {PIECES} pieces of large spheres")));
+        }
+        if let (Some(PlaneRecords { head, planes, .. }), Some(ranks)) = (&binned.planes, &resident.ranks) {
+            let parts = [bytemuck::bytes_of(head), bytemuck::cast_slice(planes), bytemuck::cast_slice(&ranks.ids)];
+            self.fill_parts("planes", &parts)?;
         }
         resident.pieces = counts.pieces as u32;
         resident.placed = Some((key, binned.clone()));
@@ -329,7 +340,9 @@ impl Gpu {
         }
         // Colours are sent once, with the spheres.
         let known = self.resident.as_ref().is_some_and(|resident| resident.has_colors);
-        let input = Input { view, colors: scene.spheres.colors.as_deref(), rays: KernelRays::Viewing };
+        let both = (!known && kernel.face_colors).then(|| scene.spheres.colors_and_faces());
+        let colors = both.as_deref().or(scene.spheres.colors.as_deref());
+        let input = Input { view, colors, rays: KernelRays::Viewing };
         if !known {
             uploads(kernel, &input).into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))?;
         }
@@ -341,7 +354,7 @@ impl Gpu {
 
     /// Rows of a band whose minima and outputs fit a binding: a multiple of a tile's rows. `None` where not one tile's do.
     fn rows_of_band(&self, kernel: &Kernel, record: &ViewRecord) -> Option<u32> {
-        let bytes = if kernel.leaves_starts() { START } else { MINIMA }.max(KernelOutput::largest(kernel));
+        let bytes = if kernel.leaves_starts() { START } else { minima(kernel) }.max(KernelOutput::largest(kernel));
         let rows = largest_binding(&self.limits) / (bytes * u64::from(record.columns));
         let rows = (rows.min(u64::from(u32::MAX / 2)) as u32) / TILE * TILE;
         (rows > 0).then_some(rows)
@@ -353,7 +366,7 @@ impl Gpu {
         let record = ViewRecord { first_row: band.first, rows: band.count, ..*record };
         let pixels = record.pixels() as u64;
         self.refill("view", bytemuck::bytes_of(&record))?;
-        self.reserve("minima", MINIMA * pixels, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
+        self.reserve("minima", minima(kernel) * pixels, wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST);
         self.reserve_outputs(kernel, pixels);
         if kernel.leaves_starts() {
             self.reserve("starts", START * pixels, wgpu::BufferUsages::STORAGE);

@@ -136,7 +136,8 @@ impl Gpu {
         let mut text = blake3::Hasher::new();
         let trials = trials(true).into_iter().map(|trial| Source::new(trial.parts));
         let kernels = self.twin_kernels().into_iter().map(|kernel| compose(&kernel));
-        let steps = [Step::Place, Step::Small { samples: false }, Step::Large { samples: false }].map(compose_step);
+        let [samples, planes] = [false; 2];
+        let steps = [Step::Place, Step::Small { samples, planes }, Step::Large { samples, planes }].map(compose_step);
         for source in trials.chain(kernels).chain(steps) {
             text.update(source.text.as_bytes());
         }

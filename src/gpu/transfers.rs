@@ -20,7 +20,8 @@ pub(crate) fn largest_binding(limits: &wgpu::Limits) -> u64 {
 /// certified given rays are a texture.
 pub(crate) fn most_spheres(limits: &wgpu::Limits, kernel: &Kernel) -> u64 {
     let fit = |bytes: usize| largest_binding(limits) / bytes as u64;
-    let colors = if kernel.colors { fit(size_of::<[f32; 3]>()) } else { u64::MAX };
+    let color = size_of::<[f32; 3]>() << u32::from(kernel.face_colors);
+    let colors = if kernel.colors { fit(color) } else { u64::MAX };
     let records = if kernel.method().is_some() { fit(size_of::<SphereRecord>()) } else { u64::MAX };
     // Frames store ids as i32.
     colors.min(records).min(i32::MAX as u64)

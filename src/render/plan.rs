@@ -79,7 +79,9 @@ impl Plan {
         plan.see_through = settings.asks(&[Aov::Color, Aov::Alpha]) && scene.spheres.is_translucent();
         let shade = Some(settings.shade).filter(|_| settings.asks(&[Aov::Color]) && !plan.light_outputs.color);
         plan.kernel.shade = shade;
-        plan.kernel.colors = scene.spheres.colors.is_some() && shade.is_some_and(Shade::needs_colors);
+        let has_colors = shade.is_some_and(Shade::needs_colors);
+        plan.kernel.face_colors = has_colors && scene.spheres.cuts.as_ref().is_some_and(|cuts| cuts.colors.is_some());
+        plan.kernel.colors = has_colors && scene.spheres.colors.is_some() || plan.kernel.face_colors;
         plan.kernel.t = settings.asks(&[Aov::Distance, Aov::Depth, Aov::Position]);
         plan.kernel.t |= plan.given.is_some() && settings.asks(&[Aov::Bound]);
         plan.kernel.normal = settings.asks(&[Aov::Normal]);
@@ -87,7 +89,7 @@ impl Plan {
         plan.kernel.samples = matches!(scene.camera.lens, Lens::Intrinsics { .. });
         plan.sampled = plan.kernel_of_samples(scene, settings);
         if plan.sampled.is_some() {
-            (plan.kernel.shade, plan.kernel.colors) = (None, false);
+            plan.kernel = Kernel { shade: None, colors: false, face_colors: false, ..plan.kernel };
         }
         // A method takes spheres for whole.
         if scene.spheres.cuts.is_some() && plan.accuracy == Accuracy::Fast {
@@ -111,6 +113,7 @@ impl Plan {
                     unproved: if promised { Unproved::Unsure } else { Unproved::Nearest },
                     depth_interval: promised && settings.asks(&[Aov::Bound]),
                     starts: promised && lights::leave_hits(lights::outputs(scene, settings), scene),
+                    planes: scene.spheres.cuts.is_some(),
                     ..Certificate::PLAIN
                 };
                 let engine = if accuracy == Accuracy::Exact { EngineKind::Judge } else { EngineKind::Strips };

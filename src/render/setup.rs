@@ -3,7 +3,6 @@
 use super::engine::{Engine, EverySphere, Exact, Found, GivenRays, Resident, Strips, ViewRays};
 use super::log::FrameLog;
 use super::order::Ordered;
-use super::place::CUT;
 use super::plan::Plan;
 use super::plan::kind::EngineKind;
 use super::renderer::NOTHING;
@@ -91,10 +90,6 @@ fn on_device(
         return Ok(ResidentSetup::Refused(plan));
     };
     scene.check()?;
-    if scene.spheres.cuts.is_some() {
-        log.refuse(CUT);
-        return Ok(ResidentSetup::Refused(Plan { engine: EngineKind::Strips, ..plan }));
-    }
     let eye = scene.camera.basis()?.e;
     let reach = if gpu.verdict()?.places { reach(gpu, log)? } else { None };
     let setup = match reach.and_then(|reach| reach.sizes(eye)) {

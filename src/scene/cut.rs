@@ -234,6 +234,13 @@ impl Spheres {
         colors.map_or(DEFAULT_COLOR, |colors| colors[id as usize])
     }
 
+    /// The colours of all spheres, each followed by that of its face.
+    pub(crate) fn colors_and_faces(&self) -> Vec<[f32; 3]> {
+        let mut both = vec![[0.0; 3]; 2 * self.len()];
+        parallel::each(&mut both, |n, to| *to = self.color(n as u32 / 2, n % 2 == 1));
+        both
+    }
+
     /// A sphere as planes leave it.
     pub(crate) fn solid(&self, id: u32) -> Solid {
         Solid { ball: self.ball(id), is_cut: self.is_cut(id) }

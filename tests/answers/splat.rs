@@ -9,12 +9,13 @@ use crate::bits::differing;
 use crate::cloud::cloud;
 use crate::rng::Rng;
 use crate::weekend::weekend;
+use glam::DVec3;
 use halfline::Sky;
 use halfline::camera::{Camera, Lens, Look};
 use halfline::frame::{Aov, Frame};
 use halfline::intersect::Method;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Scene, Spheres};
+use halfline::scene::{CutPlane, ImagePlane, Scene, Spheres};
 use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
 use halfline_measure::suite::extremes::FAMILIES;
@@ -71,6 +72,36 @@ fn every_family_has_the_bits_of_the_cpu_path() {
             }
         }
     }
+    let most = both.compared / 2;
+    both.done(most);
+}
+
+/// Planes through the middle of a sphere and tangent to one, toward the eye, along the view and in any direction.
+#[test]
+fn every_family_of_cut_spheres_has_the_bits_of_the_cpu_path() {
+    let Some(mut both) = Both::new() else { return };
+    let (mut rng, mut cut) = (Rng::new(0xc07), 0);
+    for family in FAMILIES {
+        for &seed in extremes::seeds(&[0x5eed_0003]) {
+            for (n, mut scene) in extremes::scenes(family, seed).into_iter().enumerate() {
+                let Some(basis) = scene.camera.basis().ok().filter(|_| !scene.spheres.is_empty()) else { continue };
+                let mut planes: Vec<CutPlane> = Vec::new();
+                for axis in [basis.w, basis.u, DVec3::from_array(rng.cube())].into_iter().take(1 + n % 3) {
+                    let ball = rng.below(scene.spheres.len());
+                    let inset = [0.0, 0.5, 1.0][rng.below(3)] * scene.spheres.radii[ball];
+                    let through = DVec3::from_array(scene.spheres.centers[ball]) + inset * axis;
+                    planes.push(CutPlane { normal: axis.to_array(), distance: axis.dot(through) });
+                }
+                if scene.spheres.cut(&planes, None).is_err() || scene.spheres.cuts.is_none() {
+                    continue;
+                }
+                cut += 1;
+                both.compare(&format!("{} {seed:x} {n} {planes:?}", family.name), &scene, &all());
+            }
+        }
+    }
+    println!("{cut} scenes have cut spheres");
+    assert!(cut > 20, "{cut}");
     let most = both.compared / 2;
     both.done(most);
 }

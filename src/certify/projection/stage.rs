@@ -65,7 +65,7 @@ impl ProjectionBounds {
             start: start as f32,
             // 2^-48 of p in every component, and the rounding of start.
             blur: if unknown { UNKNOWN } else { not_below(2f64.powi(-46) * (1.0 + slopes[0] + slopes[1])) },
-            unused: [0.0; 2],
+            ..GeneralRecord::zeroed()
         }
     }
 }

@@ -252,6 +252,7 @@ impl OrderedShot<'_> {
             start: Traced::input(record.start),
             by: record.by.map(Traced::input),
             blur: Traced::from_f32(record.blur),
+            rank: 0,
         };
         let rounded = n.center_radius.into_iter().chain(n.by).chain([n.start, n.power]);
         rounded.for_each(|number| given.set(number, ONCE));

@@ -59,18 +59,18 @@ fn check<R: Value + std::fmt::Debug>(
     let Some(planes) = twin.planes else { return Ok(()) };
     let [i, j] = judged.at;
     let s = twin.slopes(i, j);
-    let frame = ((planes.middle, planes.reach), (twin.projection, twin.terms));
+    let frame = (&planes.head, (twin.projection, twin.terms));
     let parts = (0..).zip(&planes.planes);
     let kept =
         parts.fold(Kept::<R>::all(twin.projection), |kept, (n, plane)| kept.cut(&s, (plane, n), frame.0, frame.1));
     let projected = twin.entries(&s).map(|entry| entry as u32);
     let generals = (0..twin.generals.len() as u32).map(|place| GENERAL | place);
-    for slot in projected.chain(generals).filter(|slot| planes.rank(*slot) > 0) {
+    for slot in projected.chain(generals).filter(|slot| twin.rank(*slot) > 0) {
         let (place, id) = (slot & !GENERAL, twin.id(slot));
         let truth = judged.each[id as usize];
         let roots = match slot & GENERAL {
             0 => projected_roots(&s, twin.projection, &twin.projected(place as usize), twin.terms),
-            _ => general_roots(&s, &planes.general(place), twin.terms),
+            _ => general_roots(&s, &twin.generals[place as usize], twin.terms),
         };
         let found = CutLow::new(&kept, &roots);
         let says = |what: &str| format!("pixel {i} {j}: sphere {id}: {what}, {truth:?}, {found:?} of {kept:?}");

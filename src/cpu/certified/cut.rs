@@ -36,7 +36,7 @@ struct KeptParts<const N: usize> {
 impl<const N: usize> KeptParts<N> {
     #[inline(always)]
     fn new(strip: &Strip<N>, certify: &Certify<'_, f32>, planes: &PlaneRecords) -> Self {
-        let (projection, terms, of_frame) = (*certify.projection, *certify.terms, (planes.middle, planes.reach));
+        let (projection, terms, head) = (*certify.projection, *certify.terms, planes.head);
         let mut all =
             Self { entry: [[0.0; N]; 2], exit: [[0.0; N]; 2], plane: [0; N], is_empty: [0; N], is_unknown: [0; N] };
         for l in 0..N {
@@ -45,7 +45,7 @@ impl<const N: usize> KeptParts<N> {
         for (index, plane) in (0..).zip(&planes.planes) {
             let (plane, before) = (*plane, all);
             for l in 0..N {
-                let kept = before.at(l).cut(&strip.slopes(l), (&plane, index), of_frame, (&projection, &terms));
+                let kept = before.at(l).cut(&strip.slopes(l), (&plane, index), &head, (&projection, &terms));
                 all.set(l, &kept);
             }
         }
@@ -95,7 +95,7 @@ impl<const N: usize> Solids<N> for CutStrip<'_, N> {
         passed: &impl Passed<N>,
         k: &mut NearestTwos<N>,
     ) -> bool {
-        let rank = self.planes.rank(slot);
+        let rank = certify.rank(slot);
         if rank == 0 {
             return false;
         }
@@ -113,7 +113,7 @@ impl<const N: usize> Solids<N> for CutStrip<'_, N> {
                 keep(l, projected_roots(&strip.slopes(l), &projection, &sphere, &terms));
             }
         } else {
-            let sphere = self.planes.general(slot & !GENERAL);
+            let sphere = certify.generals[(slot & !GENERAL) as usize];
             for l in 0..N {
                 keep(l, general_roots(&strip.slopes(l), &sphere, &terms));
             }
@@ -146,7 +146,7 @@ impl<const N: usize> Solids<N> for CutStrip<'_, N> {
     fn certify(&self, strip: &Strip<N>, certify: &Certify<'_, f32>, k: &NearestTwos<N>, answers: &mut StripAnswers<N>) {
         let Some(kept) = &self.kept else { return };
         let (projection, terms) = (*certify.projection, *certify.terms);
-        let cut = |l: usize| k.slot[l] != NONE && self.planes.rank(k.slot[l]) != 0;
+        let cut = |l: usize| k.slot[l] != NONE && certify.rank(k.slot[l]) != 0;
         // All lanes are computed, since usually all share the winner.
         let mut left: [u32; N] = k.slot;
         for l in 0..N {
@@ -166,7 +166,7 @@ impl<const N: usize> Solids<N> for CutStrip<'_, N> {
                     at_root[l] = u32::all_if(CutLow::new(&kept.at(l), &roots).at_root);
                 }
             } else {
-                let (sphere, mut found) = (self.planes.general(slot & !GENERAL), StripAnswers::default());
+                let (sphere, mut found) = (certify.generals[(slot & !GENERAL) as usize], StripAnswers::default());
                 for l in 0..N {
                     let answer = general_answer(&strip.slopes(l), &sphere, &terms);
                     found.set(l, &answer, certify.certain(&answer, [k.low[l], k.second[l]]));

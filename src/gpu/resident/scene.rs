@@ -3,6 +3,7 @@
 use crate::certify::ProjectionRecord;
 use crate::certify::binned::BinnedScene;
 use crate::certify::placing::{PlacedSummary, PlacingRecord};
+use crate::certify::planes::Ranks;
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::Placed;
 use crate::double_double as dd;
@@ -11,10 +12,10 @@ use crate::gpu::sizes::{
     HOST_SPHERES, SUMMARY_DEPTHS, SUMMARY_HOST, SUMMARY_LIST, SUMMARY_MISSED, SUMMARY_MORE, SUMMARY_PERHAPS,
     SUMMARY_PIECES,
 };
-use crate::scene::Spheres;
 use crate::scene::camera::Camera;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
+use crate::scene::{Cuts, Spheres};
 use crate::view::ViewRecord;
 use glam::DVec3;
 use halfline_ground::error::Result;
@@ -108,6 +109,9 @@ pub(crate) struct ResidentScene {
     pub(super) blocks: Vec<Block>,
     /// The ids of the spheres that the host placed, in the last block.
     guests: Vec<u32>,
+    /// The planes that cut spheres, and the order of these.
+    cuts: Option<Cuts>,
+    pub(super) ranks: Option<Ranks>,
     pub(super) pieces: u32,
     /// The key of the last placing, and the spheres that the host placed or listed for it.
     pub(super) placed: Option<(PlacedFor, BinnedScene)>,
@@ -125,12 +129,14 @@ fn address_of_colors(spheres: &Spheres) -> Option<usize> {
 impl ResidentScene {
     /// Bytes of the largest buffer of a block of so many spheres.
     pub(super) fn largest(count: usize) -> u64 {
-        Block::records(count as u32)
+        Block::records(count as u32, true)
     }
 
     /// Room for the spheres of a scene in blocks of `size` spheres.
     pub(super) fn new(open: &Open, spheres: &Spheres, frame: u64, size: usize) -> Self {
-        let block = |n: usize| Block::new(open, n as u32, size.min(spheres.len() - n) as u32, true);
+        let ranks = spheres.cuts.as_ref().map(|cuts| Ranks::new(spheres, cuts));
+        let (places, is_cut) = (true, ranks.is_some());
+        let block = |n: usize| Block::new(open, [n, size.min(spheres.len() - n)].map(|n| n as u32), places, is_cut);
         Self {
             of: SameSpheres::of(spheres, frame),
             used: frame,
@@ -138,6 +144,8 @@ impl ResidentScene {
             reach: Reach::of(spheres),
             blocks: (0..spheres.len()).step_by(size).map(block).collect(),
             guests: Vec::new(),
+            cuts: spheres.cuts.clone(),
+            ranks,
             pieces: 0,
             placed: None,
             has_colors: false,
@@ -164,7 +172,19 @@ impl ResidentScene {
             to.as_ref().map_or(Ok(()), |to| open.write(to, 0, bytes))?;
             sent += bytes.len() as u64;
         }
+        for block in &self.blocks {
+            sent += self.send_ranks(open, block, |n| block.first + n)?;
+        }
         Ok(sent)
+    }
+
+    /// Sends the ranks of the spheres of a block, whose ids `id` returns, where planes cut spheres.
+    fn send_ranks(&self, open: &mut Open, block: &Block, id: impl Fn(u32) -> u32 + Sync) -> Result<u64> {
+        let Some(ranks) = &self.ranks else { return Ok(0) };
+        let mut of = vec![0; block.count as usize];
+        parallel::each(&mut of, |n, to| *to = ranks.rank(id(n as u32)));
+        open.write(&block.projected, Block::records(block.count, false), bytemuck::cast_slice(&of))?;
+        Ok(size_of_val(&of[..]) as u64)
     }
 
     /// Whether the resident spheres, with their colours, are those of a scene in frame `frame`.
@@ -174,7 +194,7 @@ impl ResidentScene {
             ((None, None, _), None) => true,
             ((_, address, sent), _) => *address == address_of_colors(spheres) && *sent == frame,
         };
-        colors && self.of.is_of(spheres, frame)
+        colors && self.cuts == spheres.cuts && self.of.is_of(spheres, frame)
     }
 
     /// The id of the sphere in a slot.
@@ -192,7 +212,7 @@ impl ResidentScene {
         if guests.is_empty() {
             return Ok(0);
         }
-        let block = Block::new(open, self.count, guests.len() as u32, false);
+        let block = Block::new(open, [self.count, guests.len() as u32], false, self.ranks.is_some());
         let records: Vec<ProjectedRecord> = guests.iter().map(|placed| placed.record).collect();
         let details: Vec<ProjectedDetailRecord> = guests.iter().map(|placed| placed.detail).collect();
         let depths: Vec<f64> = guests.iter().map(|placed| placed.depth).collect();
@@ -203,8 +223,9 @@ impl ResidentScene {
             open.write(&block.projected, offset, part)?;
             offset += part.len() as u64;
         }
+        let ranks = self.send_ranks(open, &block, |n| self.guests[n as usize])?;
         self.blocks.push(block);
-        Ok(offset)
+        Ok(offset + ranks)
     }
 
     /// Makes its buffers useless.
@@ -221,20 +242,21 @@ impl ResidentScene {
 }
 
 impl Block {
-    /// Bytes of the records of `count` spheres: two of 16 bytes, and depths in pairs.
-    fn records(count: u32) -> u64 {
-        32 * u64::from(count) + 16 * u64::from(count.div_ceil(2))
+    /// Bytes of the records of `count` spheres: two of 16 bytes, and depths in pairs; where planes cut spheres, ranks in fours.
+    fn records(count: u32, has_ranks: bool) -> u64 {
+        let in_vectors = |each: u32| 16 * u64::from(count.div_ceil(each));
+        2 * in_vectors(1) + in_vectors(2) + if has_ranks { in_vectors(4) } else { 0 }
     }
 
-    /// A block with room for records, and for spheres where the device places them.
-    fn new(open: &Open, first: u32, count: u32, places: bool) -> Self {
+    /// A block with room for records, with ranks where planes cut spheres, and for spheres where the device places them.
+    fn new(open: &Open, [first, count]: [u32; 2], places: bool, has_ranks: bool) -> Self {
         let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
         let buffer = |label, size| {
             let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
             open.device.create_buffer(&descriptor)
         };
         let spheres = places.then(|| buffer("resident", 32 * u64::from(count)));
-        Self { first, count, spheres, projected: buffer("projected", Self::records(count)) }
+        Self { first, count, spheres, projected: buffer("projected", Self::records(count, has_ranks)) }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The dispatches of a resident frame.
 
-use super::MINIMA;
+use super::minima;
 use super::scene::{Block, Counts, ResidentScene, pieces};
 use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
 use crate::certify::tiles::{NOTHING, Placed};
@@ -113,7 +113,7 @@ impl Gpu {
         let unsure = resident.blocks.first().filter(|_| !reads);
         jobs.extend(unsure.map(|block| of_tiles(Program::Step(Step::Unsure), block)));
         let mut encoder = self.encoder();
-        encoder.clear_buffer(&self.buffers["minima"], 0, Some(MINIMA * pixels));
+        encoder.clear_buffer(&self.buffers["minima"], 0, Some(minima(kernel) * pixels));
         encoder.clear_buffer(&self.buffers["summary"], 4 * u64::from(SUMMARY_PAIRS), Some(4));
         self.encode(&mut encoder, &jobs, Some((kernel, pixels)))?;
         if !reads {
@@ -152,8 +152,8 @@ impl Gpu {
     /// The dispatches of a pass of all spheres over the pixels.
     fn splats<'a>(&self, kernel: &Kernel, resident: &'a ResidentScene, mode: u32) -> Vec<Job<'a>> {
         let most = self.limits.max_compute_workgroups_per_dimension;
-        let samples = kernel.samples;
-        let [small, large] = [Step::Small { samples }, Step::Large { samples }].map(Program::Step);
+        let (samples, planes) = (kernel.samples, kernel.has_planes());
+        let [small, large] = [Step::Small { samples, planes }, Step::Large { samples, planes }].map(Program::Step);
         let mut jobs = Vec::new();
         for block in &resident.blocks {
             jobs.push(block.job(small, mode, 0, most));

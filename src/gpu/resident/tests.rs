@@ -2,6 +2,8 @@
 //! the host. On adapters that keep bits (tests/common/strict.rs) frames have those of the CPU path; on others what both prove
 //! agrees.
 
+mod cuts;
+
 use super::scene::{BLOCK, Counts};
 use super::sky::{SkyRays, SkyRecord, SkyTraced};
 use super::*;
@@ -30,10 +32,13 @@ fn open() -> Option<Gpu> {
     Some(Gpu::new(device::open(&found).expect("a device"), found.summary))
 }
 
-/// All outputs.
-fn kernel(samples: bool) -> Kernel {
-    let certified = Kernel::certified().certified_by(|of| Certificate { depth_interval: true, ..of });
-    Kernel { shade: Some(Shade::Headlight), colors: true, t: true, normal: true, samples, ..certified }
+/// All outputs for a scene.
+fn kernel(scene: &Scene, samples: bool) -> Kernel {
+    let cuts = scene.spheres.cuts.as_ref();
+    let planes = cuts.is_some();
+    let certified = Kernel::certified().certified_by(|of| Certificate { depth_interval: true, planes, ..of });
+    let face_colors = cuts.is_some_and(|cuts| cuts.colors.is_some());
+    Kernel { shade: Some(Shade::Headlight), colors: true, face_colors, t: true, normal: true, samples, ..certified }
 }
 
 /// The tolerance of the frames' distances.
@@ -46,7 +51,7 @@ fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw,
     let mut view =
         View::in_unit(scene, raster, Some(middle(reach.sizes(scene.camera.eye).expect("sizes")))).expect("a view");
     view.record.sample = raster.count() / 2;
-    let kernel = kernel(!view.record.is_plain());
+    let kernel = kernel(scene, !view.record.is_plain());
     let placer = Placer::new(scene, &view, TOLERANCE).expect("a lens").expect("a projection");
     let mut device = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
     let frame = ResidentFrame { scene, view: &view, placer: &placer, pool: &pool };
@@ -62,10 +67,11 @@ fn on_device(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw,
 /// host.
 fn both(gpu: &mut Gpu, scene: &Scene, raster: Raster, number: u64) -> (Raw, Raw, Option<String>) {
     let (mut device, left, view) = on_device(gpu, scene, raster, number);
-    let (pool, kernel) = (Pool::default(), kernel(!view.record.is_plain()));
+    let (pool, kernel) = (Pool::default(), kernel(scene, !view.record.is_plain()));
     let binned = BinnedScene::new(&Binning::of(scene, &view, TOLERANCE, &pool)).expect("a stage").expect("a lens");
     let mut host = Raw::new(&kernel, view.record.pixels(), &pool).expect("room");
-    cpu::certified(&kernel, &view, &binned, [scene.spheres.colors.as_deref(), None], &[], &mut host, &|| true);
+    let faces = scene.spheres.cuts.as_ref().and_then(|cuts| cuts.colors.as_deref());
+    cpu::certified(&kernel, &view, &binned, [scene.spheres.colors.as_deref(), faces], &[], &mut host, &|| true);
     // The depths of misses are of no sphere.
     for raw in [&mut device, &mut host] {
         let Raw { id, depth, .. } = raw;

@@ -54,6 +54,7 @@ impl Sampling<'_> {
             && lighting.lights.len() <= MAX_SOURCES
             && !lighting.shadows
             && spheres.materials.is_none()
+            && spheres.cuts.is_none()
     }
 
     /// The parameters of the picture, with the sums of the sky in this window; `None` where f32 does not know depths well enough.

@@ -24,7 +24,8 @@ pub(super) fn outputs(scene: &Scene, settings: &Settings) -> LightOutputs {
 pub(super) fn leave_hits(outputs: LightOutputs, scene: &Scene) -> bool {
     let lighting = &scene.lighting;
     let of_picture = lighting.sky.is_some() || lighting.shadows && !lighting.lights.is_empty();
-    outputs.shadow || outputs.occlusion || outputs.color && of_picture
+    // The host traces the rays from hits of cut spheres, which begin and end at planes.
+    scene.spheres.cuts.is_none() && (outputs.shadow || outputs.occlusion || outputs.color && of_picture)
 }
 
 /// The most bounces of a ray of the picture; 0 where no material asks for any.

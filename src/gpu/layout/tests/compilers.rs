@@ -23,7 +23,10 @@ fn shaders() -> Vec<Shader> {
     let of_frame = colored.certified_by(|of| Certificate { starts: true, ..of });
     let shader = |name, source: Source, plain| Shader { name, text: source.text, plain };
     let steps = steps().map(|step| {
-        let plain = !matches!(step, Step::Small { samples: true } | Step::Large { samples: true });
+        let plain = match step {
+            Step::Small { samples, planes } | Step::Large { samples, planes } => !samples && !planes,
+            _ => true,
+        };
         shader(format!("{step:?}"), compose_step(step), plain)
     });
     let kernels = kernels().into_iter().filter(|kernel| capabilities(kernel).is_empty());
