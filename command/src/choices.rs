@@ -18,7 +18,7 @@ use halfline::progress::{Cancel, Watch};
 use halfline::render::Renderer;
 use halfline::render::stream::{Part, PartView, Visible};
 use halfline::scene::arrange::Arrangement;
-use halfline::scene::{Cell, Framing, Scene};
+use halfline::scene::{Cell, Cuts, Framing, Scene};
 use halfline::settings::{Backend, Settings};
 use halfline_drawing::inset::Panels;
 use halfline_files::read::cut::CutRules;
@@ -170,6 +170,14 @@ impl Choices {
     /// [`Error::Settings`](halfline::error::Error::Settings) for pixels per inch of a file that has none.
     pub fn check_file(&self, target: &Target) -> Result<()> {
         self.args.files.check_formats(std::slice::from_ref(target))
+    }
+
+    /// The planes that cut the spheres of a part, which are still to come.
+    ///
+    /// # Errors
+    /// As [`halfline::scene::CutPlane::check`].
+    pub fn planes_of_part(&self) -> Result<Option<Cuts>> {
+        Cuts::later(self.args.cut.rules().planes)
     }
 
     /// The settings of a part of this scene.

@@ -313,8 +313,8 @@ impl SceneArgs {
             return Err(Error::settings(problem, "remove it"));
         }
         if self.cut.is_given() {
-            let problem = format!("{CUT}: what hides what in parts is that of whole spheres");
-            return Err(Error::settings(problem, "remove it"));
+            let problem = format!("{CUT}: planes are those of the parts");
+            return Err(Error::settings(problem, format!("give every part the same planes, and remove {CUT} here")));
         }
         let [w, h] = view.size;
         match self.size().filter(|_| self.typed.has("size")) {

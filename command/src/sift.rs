@@ -36,7 +36,7 @@ pub(crate) struct Sift {
 
 const EXAMPLES: &str = "\
 The options are those of halfline render that read, colour and show. All parts need the same camera, size, window, samples, seed,
-tolerance and width of outlines. The file is read in blocks and may be larger than memory.
+tolerance, width of outlines and planes. The file is read in blocks and may be larger than memory.
 
 Examples:
   halfline sift a.npy --first-id 0 --eye 0,0,9 --at 0,0,0 --size 1920x1080 -o a.npz

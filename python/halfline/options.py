@@ -322,6 +322,12 @@ class Options(TypedDict, total=False):
 class PartOptions(TypedDict, total=False):
     """Keywords of `Sieve` and `sift`: of the frame of all parts, which needs the same ones."""
 
+    cut: ArrayLike
+    """Cuts spheres by a plane: what has X,Y,Z . p > D is removed, and spheres that the plane
+    passes through show their inside. May be repeated: what one plane removes is removed.
+    """
+    cut_slab: ArrayLike
+    """Keeps a slab, A <= X,Y,Z . p <= B, between two planes that cut spheres."""
     samples: int | None
     """Samples per pixel for anti-aliasing of colour and alpha, rounded up to a square number.
     Other buffers use the pixel's centre [default: the scene file's, else 1, and 4 in the look

@@ -46,7 +46,8 @@ impl Sieve {
             let (width, height) = choices.size().unwrap_or_default();
             camera.check_size((width, height))?;
             let image = ImagePlane { width, height, ..ImagePlane::default() };
-            let (spheres, lighting) = (Spheres::default(), Lighting::default());
+            let (spheres, lighting) =
+                (Spheres { cuts: choices.planes_of_part()?, ..Spheres::default() }, Lighting::default());
             let scene = CoreScene { camera: camera.for_image((width, height)), image, spheres, lighting };
             scene.check()?;
             Stream::of_part(&scene, &choices.settings_of_part(&scene)?, first_id)

@@ -65,6 +65,22 @@ def test_any_parts_give_the_frame_of_all(renderer: hl.Renderer, samples: int) ->
     same(renderer, hl.combine(*parts), scene, samples=samples)
 
 
+def test_parts_are_cut_as_the_whole(cpu: hl.Renderer) -> None:
+    planes = {"cut": [(0.2, 0.1, 1, 0.3), (1, 0, 0, 0.4)], "cut_slab": (0, 1, 0.5, -0.5, 0.25)}
+    whole = hl.combine(*(part(a, b, **planes) for a, b in pairwise([0, 999, 1000, COUNT])))
+    found = cpu.render(whole, aovs=AOVS)
+    wanted = cpu.render(hl.Scene(*spheres()), CAMERA, size=(64, 48), aovs=AOVS, **planes)
+    for name in (*AOVS, "id"):
+        assert np.array_equal(found[name], wanted[name]), name
+    keys = ["cuts", "spheres", "spheres_cut", "spheres_removed"]
+    assert [found.report[key] for key in keys] == [wanted.report[key] for key in keys]
+    assert wanted.report["spheres_cut"] > 10
+    with pytest.raises(ValueError, match="give every part the same planes"):
+        cpu.render(whole, cut=(1, 0, 0, 0))
+    with pytest.raises(ValueError, match="list of planes"):
+        part(0, 10) | part(10, 20, **planes)
+
+
 def test_files_have_the_bytes_of_those_of_all(cpu: hl.Renderer, tmp_path: Path) -> None:
     centers, radii, colors = spheres()
     cpu.render(hl.Scene(centers, radii, colors), CAMERA, size=(64, 48)).save(

@@ -29,10 +29,10 @@ pub struct Report {
     pub skipped: u64,
     /// The planes that cut spheres.
     pub cuts: Vec<CutPlane>,
-    /// Spheres that a plane cuts.
-    pub spheres_cut: u64,
-    /// Spheres that lie wholly beyond a plane.
-    pub spheres_removed: u64,
+    /// Spheres that a plane cuts; `None` where parts that overlap do not tell.
+    pub spheres_cut: Option<u64>,
+    /// Spheres that lie wholly beyond a plane, likewise.
+    pub spheres_removed: Option<u64>,
     /// Viewing rays: pixels of the window.
     pub rays: u64,
     /// Rays that hit something.
@@ -136,7 +136,7 @@ impl Report {
         let Some(cuts) = &spheres.cuts else { return };
         self.spheres = spheres.len() as u64;
         self.cuts.clone_from(&cuts.planes);
-        (self.spheres_cut, self.spheres_removed) = (cuts.count(CUT), cuts.count(REMOVED));
+        (self.spheres_cut, self.spheres_removed) = (Some(cuts.count(CUT)), Some(cuts.count(REMOVED)));
         self.warnings.extend(cuts.warning());
     }
 

@@ -26,6 +26,8 @@ pub(super) fn known(at: &Rendering<'_>, plan: &Plan) -> Report {
         version: 1,
         halfline: env!("CARGO_PKG_VERSION"),
         spheres: scene.spheres.len() as u64,
+        spheres_cut: Some(0),
+        spheres_removed: Some(0),
         adapter: if on_device { renderer.adapter() } else { cpu::NAME }.to_owned(),
         driver: if on_device { renderer.driver() } else { cpu::driver() },
         backend: if on_device { "gpu" } else { "cpu" },

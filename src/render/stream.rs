@@ -76,8 +76,8 @@ pub struct StreamIds {
     pub ids: Vec<u64>,
     /// The number of all spheres of the stream.
     pub count: u64,
-    /// The spheres of the stream that planes cut, and those that they remove.
-    pub changed: [u64; 2],
+    /// The spheres of the stream that planes cut, and those that they remove; `None` where parts that overlap do not tell.
+    pub changed: Option<[u64; 2]>,
 }
 
 impl Stream {
@@ -250,7 +250,7 @@ impl Stream {
     /// [`Error::Limits`] where memory is short.
     pub fn finish(mut self) -> Result<Visible> {
         let kept = self.rest()?;
-        let ids = StreamIds { ids: kept.numbers, count: self.count, changed: self.changed };
+        let ids = StreamIds { ids: kept.numbers, count: self.count, changed: Some(self.changed) };
         visible(self.scene, kept.spheres, ids, &self.digests)
     }
 
@@ -330,7 +330,8 @@ fn check(scene: &Scene, settings: &Settings) -> Result<()> {
 /// As [`Spheres::cut`].
 fn visible(scene: Scene, spheres: Spheres, ids: StreamIds, digests: &Digests) -> Result<Visible> {
     let cuts = scene.spheres.cuts.as_ref();
-    let cuts = cuts.filter(|_| ids.changed != [0; 2]).map(|cuts| spheres.cuts_by(&cuts.planes, None)).transpose()?;
+    let cuts =
+        cuts.filter(|_| ids.changed != Some([0; 2])).map(|cuts| spheres.cuts_by(&cuts.planes, None)).transpose()?;
     let [centers, radii, colors, opacities] = digests.all();
     let spheres = Spheres {
         centers: List::part_of(spheres.centers.into_vec(), centers),
@@ -354,9 +355,9 @@ impl StreamIds {
     /// that do not fit into 32 bits make the buffer one of 64-bit numbers.
     pub fn restore(&self, frame: &mut Frame) {
         let Report { spheres, spheres_cut, spheres_removed, warnings, .. } = &mut frame.report;
-        ([*spheres_cut, *spheres_removed], *spheres) = (self.changed, self.count);
-        if self.changed[1] > 0 {
-            warnings.extend(removes_all(self.changed[1], self.count));
+        ([*spheres_cut, *spheres_removed], *spheres) = ([0, 1].map(|n| Some(self.changed?[n])), self.count);
+        if let Some([_, removed]) = self.changed.filter(|[_, removed]| *removed > 0) {
+            warnings.extend(removes_all(removed, self.count));
         }
         for buffer in frame.buffers.iter_mut().filter(|buffer| buffer.aov == Aov::Id) {
             let Data::I32(ids) = &mut buffer.data else { continue };

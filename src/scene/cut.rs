@@ -8,11 +8,12 @@ use halfline_ground::memory::check;
 use halfline_ground::parallel::{self, CHEAP};
 use halfline_ground::quote::count;
 use halfline_ground::quote::setting::CUT as CUT_SETTING;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 
 /// A plane N.p = D. What has N.p > D is removed.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CutPlane {
     /// N, of any length but zero, toward what is removed.
     pub normal: [f64; 3],
@@ -126,6 +127,15 @@ impl CutPlane {
 }
 
 impl Cuts {
+    /// Planes for spheres that are still to come; `None` without a plane.
+    ///
+    /// # Errors
+    /// As [`CutPlane::check`].
+    pub fn later(planes: Vec<CutPlane>) -> Result<Option<Self>> {
+        check_planes(&planes)?;
+        Ok((!planes.is_empty()).then_some(Self { planes, of: List::default(), colors: None }))
+    }
+
     /// The cuts of the spheres with these indices.
     pub(crate) fn chosen(&self, indices: &[u32]) -> Self {
         let flag = |id: &u32| self.of[*id as usize];
@@ -139,7 +149,7 @@ impl Cuts {
 
     /// The planes, without spheres.
     pub(crate) fn bare(&self) -> Self {
-        Self { planes: self.planes.clone(), of: Vec::new().into(), colors: None }
+        Self { planes: self.planes.clone(), of: List::default(), colors: None }
     }
 
     /// Whether some plane cuts a sphere.
@@ -173,6 +183,10 @@ impl Cuts {
     }
 }
 
+fn check_planes(planes: &[CutPlane]) -> Result<()> {
+    planes.iter().enumerate().try_for_each(|(n, plane)| plane.check(|| Place::field(format!("cut {n}"))))
+}
+
 /// A warning where so many removed spheres are all.
 pub(crate) fn removes_all(removed: u64, all: u64) -> Option<String> {
     (removed == all).then(|| format!("{CUT_SETTING} removes all {}", count(all, "sphere")))
@@ -193,9 +207,7 @@ impl Spheres {
 
     /// The cuts of [`Self::cut`], also where no sphere is cut.
     pub(crate) fn cuts_by(&self, planes: &[CutPlane], may: Option<&[bool]>) -> Result<Cuts> {
-        for (n, plane) in planes.iter().enumerate() {
-            plane.check(|| Place::field(format!("cut {n}")))?;
-        }
+        check_planes(planes)?;
         check(2 * self.len() as u64, || format!("the cuts of {} spheres", self.len()))?;
         // Equal planes meet each ray at one place, where nothing but exact arithmetic would tell them apart.
         let mut different: Vec<CutPlane> = Vec::with_capacity(planes.len());

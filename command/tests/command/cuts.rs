@@ -157,16 +157,23 @@ fn what_cannot_be_cut_has_words() {
     refused(3, "n.csv --cut-at kind~nothing", &["--cut-at", "kind nothing", "none of 4 spheres"]);
     refused(2, "n.csv --cut-at kind~core --stream", &["--stream", "--cut-slab"]);
     refused(2, "n.csv --cut 0,0,1,1 --cut-color red --stream", &["--cut-color", "all spheres in memory"]);
-    dir.refused(2, &words("sift n.csv --cut 0,0,1,1 --first-id 0 -o p.npz"), &["--cut is not an option of a part"]);
-    dir.refused(2, &words("sift good.toml --first-id 0 -o p.npz"), &["those of parts are whole"]);
+    dir.refused(
+        2,
+        &words("sift n.csv --cut-only x>0 --first-id 0 -o p.npz"),
+        &["--cut-only is not an option of a part"],
+    );
     refused(2, "n.csv --cut 0,0,1,1 --method stable", &["planes cut some spheres", "--method"]);
     refused(3, "bad.toml", &["bad.toml:11:10", "cut 0 normal", "any length but zero"]);
-    // A stream counts as a scene in memory does.
-    let counts = |more: &str| {
-        let ran = dir.render(&words(&format!("n.csv {CAMERA} --cut 0,0,1,1 --json {more}"))).json();
+    // A stream and a part count as a scene in memory does.
+    let counts = |options: &str| {
+        let ran = dir.render(&words(&format!("{options} --json"))).json();
         ["spheres", "spheres_cut", "spheres_removed", "cuts"].map(|key| ran[key].to_string())
     };
-    assert_eq!(counts("--stream"), counts(""));
+    let rays = "n.csv --eye 0,0,40 --at 0,0,0 --ortho 20 --size 100x100 --cut 0,0,1,1";
+    dir.good(&format!("sift {rays} --first-id 0 -o p.npz"));
+    let whole = format!("{rays} --look plain -o a.png");
+    assert_eq!(counts(&format!("{whole} --stream")), counts(&whole));
+    assert_eq!(counts("--visible p.npz -o a.png"), counts(&whole));
     let ran = dir.render(&format!("n.csv {CAMERA} --cut 0,0,1,-50 --stream"));
     assert!(ran.err.contains("--cut removes all 4 spheres"), "{}", ran.err);
     let ran = dir.render(&format!("n.csv {CAMERA} --cut 0,0,1,-50"));

@@ -59,6 +59,8 @@ fn files_of_parts_have_the_bytes_of_those_of_all_spheres() {
             "--background white --depth-cue",
         ),
         ("csv", format!("{CAMERA} --color-by v --range -1,1"), "--transparent --silhouette"),
+        ("npy", format!("{CAMERA} --cut 0.2,0.1,1,0.3"), "--silhouette"),
+        ("csv", format!("{CAMERA} --samples 4 --cut 1,0,0,0.4 --cut-slab 0,1,0.5,-0.5,0.25"), "--depth-cue"),
         ("csv", format!("{CAMERA} --tile 2/4 --samples 4 --radius-scale 0.5 --color teal"), "--exposure 1"),
     ] {
         for (n, first) in CUTS[..CUTS.len() - 1].iter().enumerate() {
@@ -142,6 +144,7 @@ fn what_does_not_belong_together_is_refused() {
     sift(1, &CAMERA.replace("40", "41"), "turned");
     sift(1, &CAMERA.replace("64x48", "64x49"), "larger");
     sift(1, &format!("{CAMERA} --samples 4"), "sampled");
+    sift(1, &format!("{CAMERA} --cut 1,0,0,0.5"), "cut");
     dir.good(&format!("sift 3.npy --first-id 500 {CAMERA} -o same.npz"));
     let mut damaged = dir.files()["1.npz"].clone();
     let middle = damaged.len() / 2;
@@ -155,6 +158,8 @@ fn what_does_not_belong_together_is_refused() {
         ),
         (2, "render --visible 0.npz larger.npz -o x.png", "the size is 64x48, and 64x49"),
         (2, "render --visible 0.npz sampled.npz -o x.png", "the number of samples is 1, and 4"),
+        (2, "render --visible cut.npz 0.npz -o x.png", "the list of planes is 1,0,0,0.5, and empty"),
+        (2, "render --visible cut.npz --cut 1,0,0,0.5 -o x.png", "--cut belongs to the parts"),
         (3, "render --visible 0.npz same.npz -o x.png", "0.npz and same.npz have different spheres"),
         (3, "render --visible 0.npz damaged.npz -o x.png", "damaged.npz"),
         (3, "render --visible 0.npz all.npy -o x.png", "all.npy"),
@@ -174,6 +179,7 @@ fn what_does_not_belong_together_is_refused() {
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 -o x.png", "x.png cannot hold a part"),
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 -o 0.npy", "0.npy cannot hold a part"),
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 --copies 2,1,1 -o x.npz", "--copies is not an option of a part"),
+        (2, "sift 0.npy --first-id 0 --eye 1,2,3 --cut-at all -o x.npz", "--cut-at is not an option of a part"),
         (2, "sift 0.npy --first-id 0 --eye 1,2,3 --backend cpu -o x.npz", "--backend is not an option of a part"),
         (
             2,

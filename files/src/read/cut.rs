@@ -76,9 +76,7 @@ impl SceneFrame {
     /// As [`CutPlane::check`].
     pub fn cut_later(&mut self, rules: &CutRules) -> Result<()> {
         let planes: Vec<CutPlane> = self.cuts.iter().chain(&rules.planes).copied().collect();
-        planes.iter().enumerate().try_for_each(|(n, plane)| plane.check(|| Place::field(format!("cut {n}"))))?;
-        let cuts = Cuts { planes, of: Vec::new().into(), colors: None };
-        self.scene.spheres.cuts = Some(cuts).filter(|cuts| !cuts.planes.is_empty());
+        self.scene.spheres.cuts = Cuts::later(planes)?;
         Ok(())
     }
 

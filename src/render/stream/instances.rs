@@ -46,7 +46,7 @@ impl Stream {
             kept.spheres.colors.get_or_insert_default();
         }
         let (ids, count) = instances.ids(&kept.numbers, watch)?;
-        visible(stream.scene, kept.spheres, StreamIds { ids, count, changed: [0; 2] }, &stream.digests)
+        visible(stream.scene, kept.spheres, StreamIds { ids, count, changed: Some([0; 2]) }, &stream.digests)
     }
 
     /// Finds the first spheres and those with the extremes of size and place, and opens the sieves in their unit.

@@ -6,7 +6,7 @@ use super::digests::{Digests, MAX_SPHERES};
 use super::{CULL_MIN_SPHERES, Stream, StreamIds, Visible, check, visible};
 use crate::scene::camera::Camera;
 use crate::scene::instances::NumberedSpheres;
-use crate::scene::{ImagePlane, Lighting, Scene, Spheres};
+use crate::scene::{CutPlane, Cuts, ImagePlane, Lighting, List, Scene, Spheres};
 use crate::settings::{Accuracy, Outline, Settings, Tolerance};
 use crate::window::Window;
 use halfline_ground::error::{Error, Place, Result};
@@ -37,6 +37,9 @@ pub struct PartView {
     pub tolerance: f64,
     /// The width of outlines, pixels: so many pixels around the window they look at.
     pub outline: f64,
+    /// The planes that cut spheres.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub planes: Vec<CutPlane>,
 }
 
 /// The spheres of a part of a scene that a frame needs.
@@ -47,6 +50,17 @@ pub struct Part {
     view: PartView,
     kept: NumberedSpheres,
     digests: Digests,
+    counts: Vec<CutCounts>,
+}
+
+/// The numbers of spheres that planes cut and remove among ids.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CutCounts {
+    /// The first id, and one past the last.
+    ids: [u64; 2],
+    /// Spheres that planes cut, and that they remove; `None` where parts that overlap do not tell.
+    counts: Option<[u64; 2]>,
 }
 
 /// The header of a part, beside its arrays.
@@ -59,13 +73,16 @@ struct PartHeader {
     digests: Digests,
     /// BLAKE3 of the arrays of the part.
     arrays: String,
+    /// Where planes cut spheres.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    cut_counts: Vec<CutCounts>,
 }
 
 /// The text of [`PartHeader::halfline`].
 const KIND: &str = "visible spheres of a part, 1";
 
 /// The remedy for parts that are not alike.
-const ALIKE: &str = "sift all parts with the same camera, size, window, samples, seed, tolerance, width of outlines and version of halfline";
+const ALIKE: &str = "sift all parts with the same camera, size, window, samples, seed, tolerance, width of outlines, planes and version of halfline";
 
 impl PartView {
     /// The rays of a frame of `scene`.
@@ -83,15 +100,18 @@ impl PartView {
             seed: if samples > 1 { settings.seed } else { 0 },
             tolerance: settings.promise().relative(),
             outline: settings.outline.width,
+            planes: scene.spheres.cuts.as_ref().map_or_else(Vec::new, |cuts| cuts.planes.clone()),
         })
     }
 
-    /// A scene with this camera and image, without spheres.
+    /// A scene with this camera, image and planes, without spheres.
     #[must_use]
     pub fn scene(&self) -> Scene {
         let [width, height] = self.size;
         let image = ImagePlane { width, height, ..ImagePlane::default() };
-        Scene { camera: self.camera, image, spheres: Spheres::default(), lighting: Lighting::default() }
+        let cuts = Cuts { planes: self.planes.clone(), of: List::default(), colors: None };
+        let spheres = Spheres { cuts: Some(cuts).filter(|cuts| !cuts.planes.is_empty()), ..Spheres::default() };
+        Scene { camera: self.camera, image, spheres, lighting: Lighting::default() }
     }
 
     /// Settings of certified answers for these rays, and for silhouettes, whose lines look at pixels around the window.
@@ -119,6 +139,11 @@ impl PartView {
             (a != b).then(|| [shown(a), shown(b)])
         }
         let size = |[width, height]: &[u32; 2]| format!("{width}x{height}");
+        let numbers = |CutPlane { normal: [x, y, z], distance }: &CutPlane| format!("{x},{y},{z},{distance}");
+        let planes = |planes: &Vec<CutPlane>| match &planes[..] {
+            [] => "empty".to_owned(),
+            planes => planes.iter().map(numbers).collect::<Vec<_>>().join(" and "),
+        };
         let found = [
             ("version of halfline", pair(&self.version, &other.version, String::clone)),
             ("camera", pair(&self.camera, &other.camera, |camera| format!("{camera:?}"))),
@@ -128,6 +153,7 @@ impl PartView {
             ("seed", pair(&self.seed, &other.seed, u32::to_string)),
             ("width of outlines", pair(&self.outline, &other.outline, f64::to_string)),
             ("tolerance", pair(&self.tolerance, &other.tolerance, f64::to_string)),
+            ("list of planes", pair(&self.planes, &other.planes, planes)),
         ];
         found.into_iter().find_map(|(what, pair)| Some((what, pair?)))
     }
@@ -140,7 +166,6 @@ impl Stream {
     /// # Errors
     /// Errors of [`Stream::new`] and [`Outline::check`]; [`Error::Limits`] for ids from 2^55 on.
     pub fn of_part(scene: &Scene, settings: &Settings, first_id: u64) -> Result<Self> {
-        check_whole(scene)?;
         let view = PartView::new(scene, settings)?;
         check_id(first_id)?;
         Ok(Self { first: first_id, ..Self::new(&view.scene(), &view.settings()?)? })
@@ -154,16 +179,29 @@ impl Stream {
         check_id(self.first + self.count)?;
         let view = PartView::new(&self.scene, &self.settings)?;
         let name = format!("the part of ids from {}", self.first);
-        Ok(Part { name, view, kept: self.rest()?, digests: self.digests })
+        let counts = CutCounts { ids: [self.first, self.first + self.count], counts: Some(self.changed) };
+        let counts = Some(counts).filter(|counts| !view.planes.is_empty() && counts.ids[0] < counts.ids[1]);
+        let counts = counts.into_iter().collect();
+        Ok(Part { name, view, kept: self.rest()?, digests: self.digests, counts })
     }
 }
 
-/// Refuses planes that cut spheres.
-fn check_whole(scene: &Scene) -> Result<()> {
-    match scene.spheres.cuts {
-        None => Ok(()),
-        Some(_) => Err(Error::settings("planes cut spheres, and those of parts are whole", "remove the planes")),
+/// Adds counts of other ids; of the same ids they are the same.
+fn add_counts(all: &mut Vec<CutCounts>, other: &CutCounts) {
+    if all.contains(other) {
+        return;
     }
+    let [mut first, mut end] = other.ids;
+    let mut counts = other.counts;
+    all.retain(|own| {
+        let is_apart = own.ids[1] <= first || end <= own.ids[0];
+        if !is_apart {
+            (first, end, counts) = (first.min(own.ids[0]), end.max(own.ids[1]), None);
+        }
+        is_apart
+    });
+    all.push(CutCounts { ids: [first, end], counts });
+    all.sort_by_key(|counts| counts.ids);
 }
 
 impl Part {
@@ -194,14 +232,16 @@ impl Part {
         let scene = header.view.scene();
         let settings = scene.check().and_then(|()| header.view.settings());
         settings.and_then(|settings| settings.window_of(&scene)).map_err(|error| damaged(&error))?;
-        Ok(Self { name, view: header.view, kept, digests: header.digests })
+        Cuts::later(header.view.planes.clone()).map_err(|error| damaged(&error))?;
+        Ok(Self { name, view: header.view, kept, digests: header.digests, counts: header.cut_counts })
     }
 
     /// JSON of the rays that the part was made for and of which spheres, for [`Part::new`].
     #[must_use]
     pub fn about(&self) -> String {
         let (view, digests) = (self.view.clone(), self.digests.clone());
-        let header = PartHeader { halfline: KIND.into(), view, digests, arrays: self.kept.digest() };
+        let (arrays, cut_counts) = (self.kept.digest(), self.counts.clone());
+        let header = PartHeader { halfline: KIND.into(), view, digests, arrays, cut_counts };
         // Numbers, texts and lists are always JSON.
         serde_json::to_string(&header).unwrap_or_default()
     }
@@ -293,6 +333,7 @@ impl Part {
             return Err(Error::settings(problem, format!("give all parts {what}, or none")));
         }
         self.digests = digests;
+        other.counts.iter().for_each(|counts| add_counts(&mut self.counts, counts));
         self.kept.add(&other.kept.spheres, &|n| other.kept.numbers[n], &new)?;
         self.kept.sort()?;
         Ok(!new.is_empty())
@@ -300,10 +341,9 @@ impl Part {
 
     /// The same without spheres that others hide.
     fn sifted(self) -> Result<Self> {
-        let Self { name, view, kept, digests } = self;
-        let mut stream = Stream::new(&view.scene(), &view.settings()?)?;
-        stream.add_block(&kept.spheres, &|n| kept.numbers[n])?;
-        Ok(Self { name, view, kept: stream.rest()?, digests })
+        let mut stream = Stream::new(&self.view.scene(), &self.view.settings()?)?;
+        stream.add_block(&self.kept.spheres, &|n| self.kept.numbers[n])?;
+        Ok(Self { kept: stream.rest()?, ..self })
     }
 
     /// The spheres that a frame of `scene` needs, whose own spheres are not used; its fingerprint is that of all spheres of the part.
@@ -312,7 +352,6 @@ impl Part {
     /// [`Error::Settings`] for a frame that the part is not made for.
     pub fn visible(self, scene: &Scene, settings: &Settings) -> Result<Visible> {
         check(scene, settings)?;
-        check_whole(scene)?;
         let frame = PartView::new(scene, settings)?;
         if frame.tolerance > self.view.tolerance {
             let problem = format!("{} is made for a tolerance of {}", self.name, self.view.tolerance);
@@ -328,8 +367,10 @@ impl Part {
             return Err(Error::settings(problem, "leave that to the parts, or sift again"));
         }
         let count = self.all_ids().last().map_or(0, |[_, end]| *end);
-        let ids = StreamIds { ids: self.kept.numbers, count, changed: [0; 2] };
-        let scene = Scene { spheres: Spheres::default(), ..scene.clone() };
+        let sum = |[cut, removed]: [u64; 2], [a, b]: [u64; 2]| [cut + a, removed + b];
+        let changed = self.counts.iter().try_fold([0; 2], |all, own| Some(sum(all, own.counts?)));
+        let ids = StreamIds { ids: self.kept.numbers, count, changed };
+        let scene = Scene { lighting: scene.lighting.clone(), ..scene.bare() };
         scene.check()?;
         visible(scene, self.kept.spheres, ids, &self.digests)
     }
@@ -415,7 +456,7 @@ fn check_id(id: u64) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::frame::Aov;
+    use crate::frame::{Aov, Frame};
     use crate::render::Renderer;
     use crate::scene::camera::{Lens, Look};
     use crate::settings::Backend;
@@ -424,6 +465,12 @@ mod tests {
 
     #[test]
     fn when_parts_are_sifted_changes_no_bit() {
+        let plane = |normal: [f64; 3], distance| CutPlane { normal, distance };
+        let planes = [vec![], vec![plane([0.3, 0.2, 1.0], 0.5), plane([1.0, 0.0, 0.0], 0.25)]];
+        planes.iter().for_each(|planes| combined_in_every_way(planes));
+    }
+
+    fn combined_in_every_way(planes: &[CutPlane]) {
         let mut rng = Rng(7);
         let mut spheres = Spheres::default();
         for _ in 0..9000 {
@@ -432,7 +479,8 @@ mod tests {
         let lens = Lens::Vfov { degrees: 40.0, distance: 1.0 };
         let camera = Camera { eye: DVec3::new(1.0, 2.0, 4.0), look: Look::At(DVec3::ZERO), up: DVec3::Y, lens };
         let image = ImagePlane { width: 60, height: 44, ..ImagePlane::default() };
-        let scene = Scene { camera, image, spheres, lighting: Lighting::default() };
+        let mut scene = Scene { camera, image, spheres, lighting: Lighting::default() };
+        scene.spheres.cut(planes, None).expect("planes");
         let aovs = vec![Aov::Color, Aov::Id, Aov::Distance, Aov::Normal, Aov::Certainty];
         let settings = Settings { backend: Backend::Cpu, aovs, ..Settings::default() };
         let part = |first: usize| {
@@ -451,11 +499,28 @@ mod tests {
         for least in [0, 2000, usize::MAX] {
             let part = first.clone().combine_from(least, others.iter().cloned().map(Ok)).expect("one frame");
             let kept = part.ids().len();
-            assert!(2 * kept < all, "{least}: {kept} of {all}");
+            assert!(2 * kept < all || !planes.is_empty(), "{least}: {kept} of {all}");
             let Visible { scene, ids } = part.visible(&scene, &settings).expect("the same frame");
             let mut frame = renderer.render(&scene, &settings).expect("a frame");
             ids.restore(&mut frame);
             assert!(whole.buffers == frame.buffers, "{least}");
+            let counts = |frame: &Frame| [frame.report.spheres_cut, frame.report.spheres_removed];
+            assert_eq!(counts(&whole), counts(&frame));
         }
+        let [Some(cut), Some(removed)] = [whole.report.spheres_cut, whole.report.spheres_removed] else { panic!() };
+        assert!(planes.is_empty() || cut > 100 && removed > 1000, "{cut}, {removed}");
+    }
+
+    /// Spheres of parts that overlap are counted once where the ids of one are those of the other, and else not at all.
+    #[test]
+    fn counts_of_parts_that_overlap_are_right_or_none() {
+        let of = |first: u64, end: u64, counts| CutCounts { ids: [first, end], counts: Some(counts) };
+        let mut all = Vec::new();
+        for part in [of(100, 200, [3, 50]), of(0, 100, [1, 20]), of(100, 200, [3, 50])] {
+            add_counts(&mut all, &part);
+        }
+        assert_eq!(all, [of(0, 100, [1, 20]), of(100, 200, [3, 50])]);
+        add_counts(&mut all, &of(150, 250, [2, 30]));
+        assert_eq!(all, [of(0, 100, [1, 20]), CutCounts { ids: [100, 250], counts: None }]);
     }
 }
