@@ -6,6 +6,7 @@ use halfline::camera::{Camera, Lens, Look};
 use halfline::error::{Error, Result};
 use halfline::parallel::{self, CHEAP};
 use halfline::quote::quote;
+use halfline::quote::setting::{CUT, FOCUS};
 use halfline::scene::{
     Facing, Framing, ImagePlane, MAX_SIDE, NamedView, Outlook, SphereSource, Spheres, Spread, Surroundings, middle,
 };
@@ -174,6 +175,24 @@ pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares:
     frame.skipped.assumed.extend(notes.chain(warning));
     frame.hidden = hidden;
     Ok(framing)
+}
+
+/// The warning about a focus that is hidden where planes cut the spheres.
+///
+/// # Errors
+/// [`Error::Settings`] for a selection without spheres.
+pub(super) fn hidden_when_cut(options: &CameraArgs, frame: &SceneFrame) -> Result<Option<String>> {
+    let Some(focus) = options.focused(frame)? else { return Ok(None) };
+    let SceneFrame { scene, has_camera, is_molecule, .. } = frame;
+    let at = options.at(frame)?;
+    let Some(framing) = options.framing(*has_camera, at, [0.0; 2])? else { return Ok(None) };
+    let around = Surroundings::new(scene.image, focus, &scene.spheres, &framing);
+    if around.is_removed() {
+        return Ok(Some(format!("{CUT} removes all of {FOCUS}")));
+    }
+    let source = options.direction_source(&scene.camera, *has_camera, *is_molecule, at);
+    let is_best = matches!(source, DirectionSource::Axes | DirectionSource::Middle(_));
+    Ok(around.from(scene.camera)?.warning(is_best))
 }
 
 /// The rows of a picture of `width` columns that the framed spheres fill; a camera that is not framed keeps the shape of its file.

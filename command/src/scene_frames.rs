@@ -257,7 +257,10 @@ pub(super) fn with_light(
         frame.skipped.assumed.extend((enlarged > 0).then(warning));
     }
     frame.cut(&args.cut.rules())?;
-    let hidden = frame.hidden.take().filter(|_| frame.scene.spheres.cuts.is_none());
+    let hidden = match frame.scene.spheres.cuts {
+        Some(_) => framing::hidden_when_cut(&args.camera, &frame)?,
+        None => frame.hidden.take(),
+    };
     frame.skipped.assumed.extend(hidden);
     // The light from above left belongs to the final camera.
     let look = args.light.apply(&mut frame, aovs, request, lens)?;

@@ -1,7 +1,7 @@
 //! Silhouettes and depth cue: drawn over the colours of a frame or of a sample of it.
 
 use super::depth_cue::DepthCue;
-use super::silhouette::{Line, PixelSize, Shown};
+use super::silhouette::{FACE, Line, PixelSize, Shown};
 use crate::scene::Scene;
 use crate::scene::camera::Basis;
 use crate::view::View;
@@ -51,11 +51,22 @@ impl Finish {
             cue.apply(ids, depths, &|pixel| backdrop.at(pixel), color);
         }
         if let Some(line) = self.line {
+            let faces = scene.spheres.cuts.as_ref().map(|_| on_faces(scene, view, ids));
+            let ids = faces.as_deref().unwrap_or(ids);
             let (width, pixel, radii) = (view.record.columns as usize, PixelSize::of(view), &scene.spheres.radii);
             let materials = scene.spheres.materials.as_ref();
             Shown { width, ids, depths, radii, materials, pixel, line }.draw(self.between, color);
         }
     }
+}
+
+/// The spheres of pixels, marked by [`FACE`] where the hit is on a plane that cuts the sphere.
+fn on_faces(scene: &Scene, view: &View, ids: &[u32]) -> Vec<u32> {
+    let (spheres, rays) = (&scene.spheres, PictureRays::new(view, scene.spheres.cuts.as_ref()));
+    let is_face = |n: usize, id: u32| spheres.is_cut(id) && rays.hit(n as u32, spheres.ball(id), true).face;
+    let mut marked = vec![0; ids.len()];
+    parallel::each(&mut marked, |n, to| *to = if is_face(n, ids[n]) { ids[n] | FACE } else { ids[n] });
+    marked
 }
 
 /// The planar depth of each pixel's hit in the scene's unit, +inf on a miss.

@@ -136,12 +136,15 @@ impl PixelSize {
     }
 }
 
+/// Marks the sphere of a pixel that shows its face on a plane.
+pub(crate) const FACE: u32 = 1 << 31;
+
 /// The spheres and depths of a rectangle of pixels, row by row: the input of the lines.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shown<'a> {
     /// Pixels in a row.
     pub(crate) width: usize,
-    /// The sphere of each pixel; [`NONE`] on a miss.
+    /// The sphere of each pixel, with [`FACE`] on a plane that cuts it; [`NONE`] on a miss.
     pub(crate) ids: &'a [u32],
     /// Its depth along the view axis, in the scene's unit.
     pub(crate) depths: &'a [f64],
@@ -155,7 +158,7 @@ pub(crate) struct Shown<'a> {
 }
 
 impl Shown<'_> {
-    /// Draws the lines of all pixels, whose linear RGB is `color`; with `between`, also where two spheres meet without a
+    /// Draws the lines of all pixels, whose linear RGB is `color`: around faces, and with `between` also where two spheres meet without a
     /// gap. Nothing is assumed of what lies beyond the rectangle, so the edge of a frame has no line.
     pub(crate) fn draw(&self, between: bool, color: &mut [f32]) {
         let around = &self.line.neighbourhood();
@@ -281,7 +284,7 @@ impl Shown<'_> {
         };
         let mut radii = [f64::INFINITY; LANES];
         for l in 0..LANES {
-            radii[l] = self.radii.get(own.id[l] as usize).copied().unwrap_or(f64::INFINITY);
+            radii[l] = self.radii.get((own.id[l] & !FACE) as usize).copied().unwrap_or(f64::INFINITY);
         }
         for l in 0..LANES {
             let large = ramp(2.0 * radii[l] / (size[l] * self.line.stretch()), DIAMETER);
@@ -292,7 +295,7 @@ impl Shown<'_> {
         }
         if let Some(materials) = self.materials {
             for l in 0..LANES {
-                dark[l] = if materials.is_ink(own.id[l]) { 0.0 } else { dark[l] };
+                dark[l] = if materials.is_ink(own.id[l] & !FACE) { 0.0 } else { dark[l] };
             }
         }
         dark
@@ -347,7 +350,9 @@ impl Sums {
             // One of two spheres has the line: the nearer one where there is a gap, else the one with the lower id.
             let apart = gap.abs() > CLOSE * size[l];
             let has_line = (apart & (gap > 0.0)) | (!apart & (own.id[l] < other.id[l]));
-            let border = if between & counts & has_line { 1.0 } else { 0.0 };
+            // A miss has this bit too, and lies behind in any case.
+            let at_face = (own.id[l] | other.id[l]) & FACE != 0;
+            let border = if (between | at_face) & counts & has_line { 1.0 } else { 0.0 };
             if !INNER {
                 self.count[l] += one;
             }

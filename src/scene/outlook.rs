@@ -2,11 +2,12 @@
 //! them least.
 
 use super::camera::{Camera, Viewport};
-use super::{Facing, Framing, ImagePlane, Spheres, Spread};
+use super::{CutPlane, Facing, Framing, ImagePlane, Spheres, Spread};
 use glam::DVec3;
 use halfline_ground::error::Result;
 use halfline_ground::parallel::{self, CHEAP};
 use halfline_ground::quote::setting::{CLIP, CUT_AT, FOCUS, HIDE, OPACITY, VIEW};
+use std::cmp::Ordering;
 use std::collections::HashSet;
 
 /// A camera that shows some spheres of a scene.
@@ -115,7 +116,8 @@ pub struct Surroundings<'a> {
     framing: &'a Framing,
     part: &'a Spheres,
     all: &'a Spheres,
-    /// The indices of the scene's opaque spheres that are not in the part.
+    /// The indices of the scene's spheres that are in the part, and of its opaque ones that are not.
+    own: Vec<usize>,
     others: Vec<usize>,
 }
 
@@ -129,9 +131,11 @@ impl<'a> Surroundings<'a> {
     #[must_use]
     pub fn new(image: ImagePlane, part: &'a Spheres, all: &'a Spheres, framing: &'a Framing) -> Self {
         let own: HashSet<[u64; 4]> = part.centers.iter().zip(&part.radii).map(|(c, r)| bits(c, *r)).collect();
-        let hides = |n: &usize| all.opacity(*n as u32) == 1.0 && !own.contains(&bits(&all.centers[*n], all.radii[*n]));
-        let others = (0..all.len()).filter(hides).collect();
-        Self { image, framing, part, all, others }
+        let is_own = |n: &usize| own.contains(&bits(&all.centers[*n], all.radii[*n]));
+        let is_left = |n: &usize| !all.cuts.as_ref().is_some_and(|cuts| cuts.is_removed(*n as u32));
+        let (own, others): (Vec<usize>, Vec<usize>) = (0..all.len()).filter(is_left).partition(is_own);
+        let others = others.into_iter().filter(|n| all.opacity(*n as u32) == 1.0).collect();
+        Self { image, framing, part, all, own, others }
     }
 
     /// The camera that shows the part from the direction in which most of it is seen, as [`Self::look`]. Candidates are
@@ -186,8 +190,22 @@ impl<'a> Surroundings<'a> {
                 found.fit(self.image, self.part, self.framing)?;
             }
         }
-        let [area, whole] = self.visible_squares(&found)?;
-        Ok(Outlook { camera: found, visible_share: f64::from(area) / f64::from(whole.max(1)), area })
+        self.from(found)
+    }
+
+    /// Whether planes remove the part.
+    #[must_use]
+    pub fn is_removed(&self) -> bool {
+        self.own.is_empty()
+    }
+
+    /// The part as a final camera shows it, as planes cut the scene.
+    ///
+    /// # Errors
+    /// Errors of the camera.
+    pub fn from(&self, camera: Camera) -> Result<Outlook> {
+        let [area, whole] = self.visible_squares(&camera)?;
+        Ok(Outlook { camera, visible_share: f64::from(area) / f64::from(whole.max(1)), area })
     }
 
     /// Whether a point is inside of a sphere, or almost.
@@ -200,12 +218,11 @@ impl<'a> Surroundings<'a> {
     /// The squares of the grid in which the part is seen, and those in which it would be without the others.
     fn visible_squares(&self, camera: &Camera) -> Result<[u32; 2]> {
         let mut grid = Grid::new(camera, self.image)?;
-        for (center, radius) in self.part.centers.iter().zip(&self.part.radii) {
-            grid.each(center, *radius, |square, depth| square.nearest = square.nearest.min(depth));
+        for n in &self.own {
+            grid.each(self.all, *n, |square, depth| square.nearest = square.nearest.min(depth));
         }
         for n in &self.others {
-            let hide = |square: &mut Square, depth: f64| square.is_hidden |= depth < square.nearest;
-            grid.each(&self.all.centers[*n], self.all.radii[*n], hide);
+            grid.each(self.all, *n, |square, depth| square.is_hidden |= depth < square.nearest);
         }
         let own = || grid.squares.iter().filter(|square| square.nearest < f64::INFINITY);
         Ok([own().filter(|square| !square.is_hidden).count() as u32, own().count() as u32])
@@ -245,9 +262,10 @@ impl Grid {
         Ok(Self { squares, columns, rows, eye: basis.e, axes: [basis.u, basis.v, basis.w], scale, is_parallel })
     }
 
-    /// Visits the squares whose middle a sphere covers, with the depth of its surface there.
-    fn each(&mut self, center: &[f64; 3], radius: f64, mut visit: impl FnMut(&mut Square, f64)) {
-        let away = DVec3::from_array(*center) - self.eye;
+    /// Visits the squares whose middle a sphere covers, with the depth of its surface there, or of its face on a plane.
+    fn each(&mut self, spheres: &Spheres, n: usize, mut visit: impl FnMut(&mut Square, f64)) {
+        let planes = spheres.cuts.as_ref().filter(|cuts| cuts.is_cut(n as u32)).map(|cuts| &cuts.planes[..]);
+        let (away, radius) = (DVec3::from_array(spheres.centers[n]) - self.eye, spheres.radii[n]);
         let [x, y, z] = self.axes.map(|axis| axis.dot(away));
         let depth = -z;
         if depth <= 0.0 {
@@ -265,11 +283,34 @@ impl Grid {
             for column in ends(x, self.columns) {
                 let [dx, dy] = [column as f64 + 0.5 - x, row as f64 + 0.5 - y];
                 let inside = 1.0 - (dx * dx + dy * dy) / (reach * reach);
-                if inside >= 0.0 {
-                    visit(&mut self.squares[row * self.columns + column], depth - radius * inside.sqrt());
+                if inside < 0.0 {
+                    continue;
+                }
+                let ends = [-1.0, 1.0].map(|side| depth + side * radius * inside.sqrt());
+                let at = [column as f64 + 0.5 - half[0], half[1] - row as f64 - 0.5].map(|x| x / self.scale);
+                if let Some(depth) = planes.map_or(Some(ends[0]), |planes| self.kept(planes, at, ends)) {
+                    visit(&mut self.squares[row * self.columns + column], depth);
                 }
             }
         }
+    }
+
+    /// The first depth between two that planes keep of a ray at this place of the image.
+    fn kept(&self, planes: &[CutPlane], [x, y]: [f64; 2], [mut first, mut last]: [f64; 2]) -> Option<f64> {
+        let [right, up, back] = self.axes;
+        let across = x * right + y * up;
+        let (start, direction) = if self.is_parallel { (self.eye + across, -back) } else { (self.eye, across - back) };
+        for CutPlane { normal, distance } in planes {
+            let normal = DVec3::from_array(*normal);
+            let (gap, along) = (distance - normal.dot(start), normal.dot(direction));
+            match along.total_cmp(&0.0) {
+                Ordering::Less => first = first.max(gap / along),
+                _ if along > 0.0 => last = last.min(gap / along),
+                _ if gap < 0.0 => return None,
+                _ => {}
+            }
+        }
+        (first < last).then_some(first)
     }
 }
 

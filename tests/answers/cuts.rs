@@ -325,6 +325,40 @@ fn pictures_of_cut_spheres_have_the_normals_and_depths_of_faces() {
     }
 }
 
+/// Faces of one plane have lines between them, and their edges lines before the rest of their spheres, under every shading.
+#[test]
+fn faces_have_lines_around_them() {
+    let mut pair = Spheres::default();
+    for (x, radius) in [(-1.0, 1.5), (1.0, 1.5), (-1.0, 0.6)] {
+        pair.push([x, 0.0, 0.0], radius, Some([0.5; 3]));
+    }
+    pair.cut(&[through([0.0, 0.0, 1.0], [0.0; 3])], None).expect("planes");
+    let mut scene = oblique::scene([98, 70], [0.0, 0.0, 9.0], [0.0; 3], Lens::Orthographic { height: 5.0 }, pair);
+    scene.image.background = [1.0; 3];
+    let bare = Settings { aovs: vec![Aov::Color], shade: Shade::Headlight, ..Settings::default() };
+    let lined = Settings { silhouette: true, ..bare.clone() };
+    for (backend, mut renderer) in renderers() {
+        let [bare, lined] = [&bare, &lined].map(|settings| renderer.render(&scene, settings).expect("a frame"));
+        let colors = [&bare, &lined].map(|frame| frame.f32(Aov::Color).expect("colours"));
+        // Rows through the middle: x is (column - 48.5) / 14.
+        let is_dark = |column: usize| {
+            let [bare, lined] = colors.map(|colors| colors[3 * (35 * 98 + column)]);
+            lined < 0.5 * bare
+        };
+        let dark = |x: f64| {
+            let column = (14.0 * x + 48.5).round() as usize;
+            (column - 1..=column + 1).any(is_dark)
+        };
+        // Between both faces, around the nested one, and around all.
+        for x in [-2.5, -1.6, -0.4, 2.5] {
+            assert!(dark(x), "{backend:?}: no line at {x}");
+        }
+        let between = bare.ids()[35 * 98..36 * 98].windows(2).position(|two| two[0] == 0 && two[1] == 1);
+        assert!(between.is_some_and(|column| (column..column + 2).any(is_dark)), "{backend:?}: {between:?}");
+        assert!(![-2.0, -1.0, 1.0, 1.8].map(dark).contains(&true), "{backend:?}: a line within a face");
+    }
+}
+
 /// The samples of a pixel see the cut as its centre does: where all around is one sphere, its colour is that of the sphere.
 #[test]
 fn samples_of_cut_spheres_are_cut() {

@@ -249,6 +249,17 @@ fn a_focus_is_framed_from_where_it_is_visible() {
         let warning = report["warnings"].to_string();
         assert!(view == "front" || warning.contains("0 % of --focus is seen"), "{view}: {warning}");
     }
+    // A plane opens the shell, one behind the focus does not, and one removes the focus.
+    for (cut, said) in
+        [("0,0,-1,1.5", ""), ("0,0,1,2.5", "0 % of --focus is seen"), ("0,0,-1,-2", "--cut removes all of --focus")]
+    {
+        let options = ["--view", "0,0,1", "--cut", cut];
+        let report = dir.render(&[&target[..], &options].concat()).json();
+        let warnings = report["warnings"].to_string();
+        assert!(warnings.contains(said) && (warnings == "[]") == said.is_empty(), "{cut}: {warnings}");
+        let visible = dir.array("i.npy").0.iter().filter(|id| **id == 0.0).count();
+        assert_eq!(visible > 1000, said.is_empty(), "{cut}: {visible}");
+    }
     dir.refused_render(2, &["shell.xyz", "--focus", "element U", "-o", "a.png"], &["--focus", "none of the", "H, C"]);
     dir.refused_render(2, &["shell.xyz", "--at", "element U", "-o", "a.png"], &["--at", "none of the", "H, C"]);
     // What is hidden is not looked at.

@@ -73,7 +73,7 @@ struct PartHeader {
     digests: Digests,
     /// BLAKE3 of the arrays of the part.
     arrays: String,
-    /// Where planes cut spheres.
+    /// The spheres that planes cut and remove, where there are planes.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     cut_counts: Vec<CutCounts>,
 }
