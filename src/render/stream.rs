@@ -5,6 +5,7 @@
 mod digests;
 mod instances;
 mod kept;
+mod left;
 mod part;
 mod pieces;
 mod witness;
@@ -17,7 +18,7 @@ use crate::double_double::exponent;
 use crate::frame::report::Report;
 use crate::frame::{Aov, Data, Frame};
 use crate::scene::instances::NumberedSpheres;
-use crate::scene::{CUT, CutPlane, List, REMOVED, Scene, Spheres, removes_all};
+use crate::scene::{CutPlane, List, Scene, Spheres, removes_all};
 use crate::settings::{Accuracy, Settings};
 use crate::view::raster::Raster;
 use crate::view::{middle, unit};
@@ -26,6 +27,7 @@ use halfline_ground::error::{Error, Place, Result};
 use halfline_ground::memory::{check_wide_ids, ids_fit};
 use halfline_ground::parallel;
 use halfline_ground::quote::setting::{ACCURACY, AOV, APERTURE, LAYERS, LOOK, METHOD, OCCLUSION, SHADOWS, STREAM, SUN};
+use left::{Left, left};
 use witness::Witnesses;
 
 /// The number of spheres after which the sieves take over the depths that these cover: often enough to hide spheres,
@@ -151,17 +153,11 @@ impl Stream {
             let problem = "planes cut the spheres of a block, and those of a stream belong to its scene";
             return Err(Error::scene(Place::field("spheres"), problem, "give them to the scene"));
         }
-        if self.planes().is_empty() {
+        let Some(Left { spheres, places, changed }) = left(block, self.planes())? else {
             return self.add_left(block, number);
-        }
-        let mut left = block.clone();
-        left.cut(self.planes(), None)?;
-        let Some(cuts) = &left.cuts else { return self.add_left(block, number) };
-        [CUT, REMOVED].into_iter().zip(&mut self.changed).for_each(|(flag, sum)| *sum += cuts.count(flag));
-        let stays: Vec<bool> = cuts.of.iter().map(|flag| *flag != REMOVED).collect();
-        let numbers: Vec<u64> = (0..block.len()).filter(|n| stays[*n]).map(number).collect();
-        left.keep(&stays);
-        if left.is_empty() { Ok(()) } else { self.add_left(&left, &|n| numbers[n]) }
+        };
+        self.changed.iter_mut().zip(changed).for_each(|(sum, own)| *sum += own);
+        if spheres.is_empty() { Ok(()) } else { self.add_left(&spheres, &|n| number(places[n])) }
     }
 
     /// Adds the spheres that planes leave of a block.

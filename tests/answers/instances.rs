@@ -14,7 +14,7 @@ use halfline::render::Renderer;
 use halfline::render::stream::{Stream, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::instances::{CopiedSpheres, Instances, Operator};
-use halfline::scene::{Cell, Framing, Scene, SphereSource, Spheres};
+use halfline::scene::{CUT, Cell, CutPlane, Cuts, Framing, REMOVED, Scene, SphereSource, Spheres};
 use halfline::settings::{Accuracy, Settings, Tolerance};
 use halfline::window::Window;
 
@@ -176,6 +176,40 @@ fn clipped_copies_samples_and_windows_have_the_same_bits() {
             }
         }
     }
+}
+
+/// Planes through groups of copies, of which most lie on one side; one that removes all but a few, one that removes all, one that cuts none.
+#[test]
+fn cut_copies_have_the_bits_of_cut_spheres_in_memory() {
+    let plane = |normal: [f64; 3], distance| CutPlane { normal, distance };
+    let clip: &[[f64; 4]] = &[[0.2, 1.0, 0.1, 3.0]];
+    let (mut faces, mut removed) = (0, 0);
+    for (planes, clip) in [
+        (vec![plane([0.0, 0.0, 1.0], 4.2)], clip),
+        (vec![plane([14.0, 9.0, 17.0], 90.0), plane([-1.0, 0.3, 0.0], -2.0)], &[]),
+        (vec![plane([0.0, 0.0, 2.0], 0.02)], &[]),
+        (vec![plane([0.0, 0.0, 1.0], -5.0)], &[]),
+        (vec![plane([0.0, 0.0, 1.0], 50.0)], clip),
+    ] {
+        let (instances, mut all) = copies(&atoms(4, 300, 0.06), [6, 5, 7], clip);
+        all.cut(&planes, None).expect("planes");
+        let flag = |flag| all.cuts.as_ref().map_or(0, |cuts| cuts.count(flag));
+        (faces, removed) = (faces + flag(CUT), removed + flag(REMOVED));
+        for (what, camera) in cameras().into_iter().take(3) {
+            let mut whole = Scene { spheres: all.clone(), ..camera };
+            let settings = Settings { samples: 4, silhouette: true, ..settings() };
+            let frame = cpu().render(&whole, &settings).expect("a frame");
+            whole.spheres.cuts = Cuts::later(planes.clone()).expect("planes");
+            let visible = visible(&whole, &settings, &instances);
+            let mut other = cpu().render(&visible.scene, &settings).expect("a frame");
+            visible.ids.restore(&mut other);
+            let differing = differing(&frame, &other);
+            assert!(differing.is_empty(), "{what}, {planes:?}: {differing:?} differ");
+            let counts = |Frame { report, .. }: &Frame| (report.spheres, report.spheres_cut, report.spheres_removed);
+            assert_eq!(counts(&frame), counts(&other), "{what} {planes:?}");
+        }
+    }
+    assert!(faces > 1000 && removed > 60_000, "{faces} cut, {removed} removed");
 }
 
 /// A camera that shows all copies has the bits of the one for copies in memory.

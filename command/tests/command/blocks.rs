@@ -438,6 +438,7 @@ fn copies_have_the_bytes_of_copies_in_memory() {
     for options in [
         "--copies 5,4,3 --radius-scale 0.2",
         "--copies 3,2,4 --eye 70,50,60 --vfov 30 --clip 0,0,1,20",
+        "--copies 3,2,4 --eye 70,50,60 --vfov 30 --cut 1,1,1,40",
         "--copies 3,2,4 --at element~Fe~and~x>5 --view top --clip 0,0,1,20",
     ] {
         let stderr = same(&dir, "a.xyz", options);

@@ -1,0 +1,178 @@
+//! The spheres of a stream as planes leave them: a block, and copies in groups, most of which lie wholly on one side.
+
+use crate::scene::instances::enclosure::Enclosure;
+use crate::scene::instances::{Group, Instances, NumberedSpheres};
+use crate::scene::{CUT, CutPlane, REMOVED, Spheres};
+use glam::DVec3;
+use halfline_ground::error::Result;
+use halfline_ground::progress::Watch;
+use std::borrow::Cow;
+
+/// What planes leave of a block.
+pub(super) struct Left {
+    pub(super) spheres: Spheres,
+    /// The places of these in the block.
+    pub(super) places: Vec<usize>,
+    /// The spheres that planes cut, and those that they remove.
+    pub(super) changed: [u64; 2],
+}
+
+/// What planes leave of a block; `None` for all of it, whole.
+///
+/// # Errors
+/// As [`Spheres::cut`].
+pub(super) fn left(block: &Spheres, planes: &[CutPlane]) -> Result<Option<Left>> {
+    if planes.is_empty() {
+        return Ok(None);
+    }
+    let mut spheres = block.clone();
+    spheres.cut(planes, None)?;
+    let Some(cuts) = &spheres.cuts else { return Ok(None) };
+    let changed = [CUT, REMOVED].map(|flag| cuts.count(flag));
+    let stays: Vec<bool> = cuts.of.iter().map(|flag| *flag != REMOVED).collect();
+    let places = (0..block.len()).filter(|n| stays[*n]).collect();
+    spheres.keep(&stays);
+    Ok(Some(Left { spheres, places, changed }))
+}
+
+/// Bound of the rounding of N.c and of r |N| in f64, relative to the sum of the sizes of their terms.
+const ROUNDED: f64 = 16.0 * f64::EPSILON;
+
+/// Copies as planes leave them.
+pub(super) struct LeftCopies<'a> {
+    pub(super) instances: &'a Instances,
+    pub(super) planes: Vec<CutPlane>,
+}
+
+impl LeftCopies<'_> {
+    /// Whether planes certainly leave all spheres of a box whole (`Some(true)`), or none of them.
+    fn keeps(&self, around: &Enclosure) -> Option<bool> {
+        let mut all = true;
+        for CutPlane { normal, distance } in &self.planes {
+            let normal = DVec3::from_array(*normal);
+            let [least, most] = around.along(normal, DVec3::ZERO);
+            let reach = around.radii[1] * normal.length();
+            let sizes = normal.abs().dot(around.low.abs().max(around.high.abs())) + distance.abs() + reach;
+            let doubt = ROUNDED * sizes + f64::MIN_POSITIVE;
+            // A sum beyond f64 decides nothing.
+            if least - reach - distance > doubt {
+                return Some(false);
+            }
+            all &= most + reach - distance < -doubt;
+        }
+        all.then_some(true)
+    }
+
+    /// Whether planes remove all spheres of a box.
+    pub(super) fn removes(&self, around: &Enclosure) -> bool {
+        self.keeps(around) == Some(false)
+    }
+
+    /// What planes leave of some spheres.
+    ///
+    /// # Errors
+    /// As [`Spheres::cut`].
+    pub(super) fn of<'b>(&self, some: &'b NumberedSpheres) -> Result<Cow<'b, NumberedSpheres>> {
+        Ok(match left(&some.spheres, &self.planes)? {
+            None => Cow::Borrowed(some),
+            Some(Left { spheres, places, .. }) => {
+                Cow::Owned(NumberedSpheres { numbers: places.iter().map(|n| some.numbers[*n]).collect(), spheres })
+            }
+        })
+    }
+
+    /// As [`Instances::search`] among what planes leave.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted), and as [`Spheres::cut`].
+    pub(super) fn search(
+        &self,
+        watch: &Watch,
+        bound: impl Fn(&Enclosure) -> f64,
+        mut score: impl FnMut(&NumberedSpheres) -> f64,
+    ) -> Result<()> {
+        let mut failed = Ok(());
+        let bound = |around: &Enclosure| if self.removes(around) { f64::NEG_INFINITY } else { bound(around) };
+        self.instances.search(watch, bound, |some| match self.of(some) {
+            Ok(some) => score(&some),
+            Err(error) => {
+                failed = Err(error);
+                f64::INFINITY
+            }
+        })?;
+        failed
+    }
+
+    /// Visits the groups that are not divided, but those that `skips` names.
+    fn each(
+        &self,
+        watch: &Watch,
+        mut skips: impl FnMut(&Group, &Enclosure) -> bool,
+        mut visit: impl FnMut(&NumberedSpheres) -> Result<bool>,
+    ) -> Result<()> {
+        let (mut open, mut parts, mut found) = (self.instances.whole(), Vec::new(), NumberedSpheres::default());
+        open.reverse();
+        while let Some(group) = open.pop() {
+            let around = self.instances.enclosure(&group);
+            if self.instances.clips(&around) == Some(false) || skips(&group, &around) {
+                continue;
+            }
+            parts.clear();
+            if self.instances.divide(&group, &mut parts) {
+                open.extend(parts.iter().rev());
+                continue;
+            }
+            watch.check()?;
+            found.clear();
+            self.instances.spheres_of(&group, &mut found);
+            if !visit(&found)? {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Some spheres that planes leave: this many, if there are.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted), and as [`Spheres::cut`].
+    pub(super) fn first(&self, count: usize, watch: &Watch) -> Result<NumberedSpheres> {
+        if self.planes.is_empty() {
+            return Ok(self.instances.first(count));
+        }
+        let mut all = NumberedSpheres::default();
+        let skips = |_: &Group, around: &Enclosure| self.removes(around);
+        self.each(watch, skips, |some| {
+            let some = self.of(some)?;
+            let indices: Vec<u32> = (0..some.numbers.len().min(count) as u32).collect();
+            all.add(&some.spheres, &|n| some.numbers[n], &indices)?;
+            Ok(all.numbers.len() < count)
+        })?;
+        Ok(all)
+    }
+
+    /// The number of spheres that planes cut, and that they remove.
+    ///
+    /// # Errors
+    /// [`Error::Interrupted`](crate::Error::Interrupted), and as [`Spheres::cut`].
+    pub(super) fn changed(&self, watch: &Watch) -> Result<[u64; 2]> {
+        let (mut changed, mut removed) = ([0; 2], 0);
+        if self.planes.is_empty() {
+            return Ok(changed);
+        }
+        let skips = |group: &Group, around: &Enclosure| match self.keeps(around) {
+            Some(false) if self.instances.clips(around) == Some(true) => {
+                removed += self.instances.count(group);
+                true
+            }
+            Some(true) => true,
+            _ => false,
+        };
+        self.each(watch, skips, |some| {
+            let own = left(&some.spheres, &self.planes)?.map_or([0; 2], |left| left.changed);
+            changed = [changed[0] + own[0], changed[1] + own[1]];
+            Ok(true)
+        })?;
+        Ok([changed[0], changed[1] + removed])
+    }
+}
