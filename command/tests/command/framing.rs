@@ -236,7 +236,7 @@ fn a_focus_is_framed_from_where_it_is_visible() {
     // Its disc, 3/4 of the height of 60 pixels across, has 1590 pixels.
     assert!((1400..1700).contains(&visible), "{visible}");
     assert!(report["warnings"].as_array().is_some_and(Vec::is_empty), "{report}");
-    // From elsewhere it is hidden, which is said; the eye is not inside of an atom. Carbon has a radius of 1.7.
+    // From elsewhere it is hidden, which is words; the eye is not inside of an atom. Carbon has a radius of 1.7.
     for view in ["1,0,0", "front", "0,-1,0.2", "0.36,-0.48,0.8"] {
         let report = dir.render(&[&target[..], &["--view", view]].concat()).json();
         let [eye, ..] = camera(&report);
@@ -250,15 +250,15 @@ fn a_focus_is_framed_from_where_it_is_visible() {
         assert!(view == "front" || warning.contains("0 % of --focus is seen"), "{view}: {warning}");
     }
     // A plane opens the shell, one behind the focus does not, and one removes the focus.
-    for (cut, said) in
+    for (cut, words) in
         [("0,0,-1,1.5", ""), ("0,0,1,2.5", "0 % of --focus is seen"), ("0,0,-1,-2", "--cut removes all of --focus")]
     {
         let options = ["--view", "0,0,1", "--cut", cut];
         let report = dir.render(&[&target[..], &options].concat()).json();
         let warnings = report["warnings"].to_string();
-        assert!(warnings.contains(said) && (warnings == "[]") == said.is_empty(), "{cut}: {warnings}");
+        assert!(warnings.contains(words) && (warnings == "[]") == words.is_empty(), "{cut}: {warnings}");
         let visible = dir.array("i.npy").0.iter().filter(|id| **id == 0.0).count();
-        assert_eq!(visible > 1000, said.is_empty(), "{cut}: {visible}");
+        assert_eq!(visible > 1000, words.is_empty(), "{cut}: {visible}");
     }
     dir.refused_render(2, &["shell.xyz", "--focus", "element U", "-o", "a.png"], &["--focus", "none of the", "H, C"]);
     dir.refused_render(2, &["shell.xyz", "--at", "element U", "-o", "a.png"], &["--at", "none of the", "H, C"]);

@@ -24,7 +24,7 @@ impl Stream {
     /// can number them, and else one of the spheres and the operators that they are copies by.
     ///
     /// # Errors
-    /// Errors of [`Stream::new`] and [`Stream::add`]; [`Error::Interrupted`].
+    /// Errors of [`Stream::new`] and [`Stream::add`]; [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn of_instances(scene: &Scene, settings: &Settings, instances: &Instances, watch: &Watch) -> Result<Visible> {
         let mut stream = Self::new(scene, settings)?;
         check_wide_ids(instances.total())?;

@@ -8,7 +8,7 @@ use halfline_ground::error::Result;
 use halfline_ground::progress::Watch;
 use std::borrow::Cow;
 
-/// What planes leave of a block.
+/// The spheres that planes leave of a block.
 pub(super) struct Left {
     pub(super) spheres: Spheres,
     /// The places of these in the block.
@@ -17,7 +17,7 @@ pub(super) struct Left {
     pub(super) changed: [u64; 2],
 }
 
-/// What planes leave of a block; `None` for all of it, whole.
+/// The spheres that planes leave of a block; `None` for all of it, whole.
 ///
 /// # Errors
 /// As [`Spheres::cut`].
@@ -68,7 +68,7 @@ impl LeftCopies<'_> {
         self.keeps(around) == Some(false)
     }
 
-    /// What planes leave of some spheres.
+    /// The part of some spheres that planes leave.
     ///
     /// # Errors
     /// As [`Spheres::cut`].
