@@ -2,6 +2,7 @@
 
 pub mod canvas;
 pub mod cells;
+pub mod figure;
 pub mod inset;
 pub mod legend;
 mod raster;

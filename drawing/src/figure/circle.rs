@@ -1,0 +1,400 @@
+//! Circles in space, as a camera sees them: outlines of balls, and where the surfaces of two cross.
+
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// A sphere in the camera's coordinates: right, up and back.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ball {
+    /// The centre.
+    pub(super) center: DVec3,
+    /// The radius.
+    pub(super) radius: f64,
+}
+
+/// A camera whose rays come from the origin, or are parallel and look along -z. A point is seen at `middle` + `scale` times its place
+/// over its depth, or times its place where rays are parallel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Projection {
+    /// The place of the axis in the image.
+    pub(super) middle: DVec2,
+    /// Units of the image for a slope of 1, or for a unit of length; the second one is negative where rows go down.
+    pub(super) scale: DVec2,
+    /// Whether rays are parallel.
+    pub(super) is_parallel: bool,
+}
+
+impl Projection {
+    /// The place of a point in the image.
+    pub(super) fn place(&self, x: DVec3) -> DVec2 {
+        let depth = if self.is_parallel { 1.0 } else { -x.z };
+        self.middle + self.scale * x.truncate() / depth
+    }
+
+    /// The place of a point's derivative in the image, times the square of the depth.
+    fn velocity(&self, x: DVec3, moved: DVec3) -> DVec2 {
+        match self.is_parallel {
+            true => self.scale * moved.truncate(),
+            false => self.scale * (moved.truncate() * -x.z + x.truncate() * moved.z),
+        }
+    }
+
+    /// The ray through a place of the image: its start and its direction, whose depth is 1.
+    pub(super) fn ray(&self, place: DVec2) -> (DVec3, DVec3) {
+        let at = ((place - self.middle) / self.scale).extend(0.0);
+        if self.is_parallel { (at, DVec3::NEG_Z) } else { (DVec3::ZERO, at - DVec3::Z) }
+    }
+
+    /// The way of the ray through a point.
+    fn way(&self, x: DVec3) -> DVec3 {
+        if self.is_parallel { DVec3::NEG_Z } else { x }
+    }
+}
+
+/// The part of the square of a radius below which a discriminant counts as that of a ray that only touches.
+const TOUCHING: f64 = 1e-11;
+
+impl Ball {
+    /// The depth at which the ray of a place enters the ball.
+    pub(super) fn depth(&self, projection: &Projection, place: DVec2) -> Option<f64> {
+        self.depth_within(projection, place, f64::NEG_INFINITY)
+    }
+
+    /// The same, also of a ray that only touches the ball nearer than `near`, and not of one that only touches it farther away: outlines
+    /// that are one in the image are those of the nearest ball.
+    pub(super) fn depth_within(&self, projection: &Projection, place: DVec2, near: f64) -> Option<f64> {
+        let (start, along) = projection.ray(place);
+        let (away, a) = (self.center - start, along.length_squared());
+        let b = along.dot(away);
+        let across = away - along * (b / a);
+        let radius2 = self.radius * self.radius;
+        let disc = radius2 - across.length_squared();
+        let least = if b / a < near { -TOUCHING } else { TOUCHING };
+        if disc < least * radius2 {
+            return None;
+        }
+        let (power, root) = (away.length_squared() - radius2, (a * disc.max(0.0)).sqrt());
+        Some(if projection.is_parallel { b - root } else { power / (b + root) })
+    }
+
+    /// The growth of the depth of the surface at a point toward a direction of the image, in slopes or lengths.
+    pub(super) fn rise(&self, projection: &Projection, x: DVec3, toward: DVec2) -> f64 {
+        let normal = x - self.center;
+        let way = if projection.is_parallel { DVec3::NEG_Z } else { x / -x.z };
+        let moved = if projection.is_parallel { toward } else { toward * -x.z };
+        -normal.dot(moved.extend(0.0)) / normal.dot(way)
+    }
+
+    /// Whether a point of the surface faces the eye.
+    pub(super) fn faces(&self, projection: &Projection, x: DVec3) -> bool {
+        (x - self.center).dot(projection.way(x)) < 0.0
+    }
+
+    /// The circle of points where rays touch the ball.
+    pub(super) fn contour(&self, projection: &Projection) -> Circle {
+        if projection.is_parallel {
+            return Circle::new(self.center, DVec3::Z, self.radius);
+        }
+        let length2 = self.center.length_squared();
+        let inner = 1.0 - self.radius * self.radius / length2;
+        Circle::new(self.center * inner, self.center / length2.sqrt(), self.radius * inner.sqrt())
+    }
+
+    /// The circle in which the surfaces of two balls cross; `None` where they do not.
+    pub(super) fn crossing(&self, other: &Self) -> Option<Circle> {
+        let between = other.center - self.center;
+        let distance2 = between.length_squared();
+        let distance = distance2.sqrt();
+        if !(distance < self.radius + other.radius && distance > (self.radius - other.radius).abs()) {
+            return None;
+        }
+        let share = 0.5 * (1.0 + (self.radius - other.radius) * (self.radius + other.radius) / distance2);
+        let radius2 = self.radius * self.radius - share * share * distance2;
+        (radius2 > 0.0).then(|| Circle::new(self.center + share * between, between / distance, radius2.sqrt()))
+    }
+}
+
+/// A circle: the points center + cos a u + sin a v.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Circle {
+    center: DVec3,
+    u: DVec3,
+    v: DVec3,
+}
+
+/// A plane: the points x with normal.x = distance.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Plane {
+    normal: DVec3,
+    distance: f64,
+}
+
+impl Plane {
+    /// The plane of the contour of a ball.
+    pub(super) fn of_contour(ball: &Ball, projection: &Projection) -> Self {
+        match projection.is_parallel {
+            true => Self { normal: DVec3::Z, distance: ball.center.z },
+            false => Self { normal: ball.center, distance: ball.center.length_squared() - ball.radius * ball.radius },
+        }
+    }
+
+    /// The plane in which the surfaces of two balls cross.
+    pub(super) fn between(a: &Ball, b: &Ball) -> Self {
+        let between = b.center - a.center;
+        let share = 0.5 * (between.length_squared() + (a.radius - b.radius) * (a.radius + b.radius));
+        Self { normal: between, distance: between.dot(a.center) + share }
+    }
+}
+
+impl Circle {
+    fn new(center: DVec3, normal: DVec3, radius: f64) -> Self {
+        let (u, v) = normal.any_orthonormal_pair();
+        Self { center, u: radius * u, v: radius * v }
+    }
+
+    /// A point of the circle.
+    pub(super) fn point(&self, angle: f64) -> DVec3 {
+        let (sin, cos) = angle.sin_cos();
+        self.center + cos * self.u + sin * self.v
+    }
+
+    /// The direction in which its picture goes on at an angle.
+    pub(super) fn tangent(&self, projection: &Projection, angle: f64) -> DVec2 {
+        let (sin, cos) = angle.sin_cos();
+        projection.velocity(self.point(angle), cos * self.v - sin * self.u).normalize_or_zero()
+    }
+
+    /// The angle of a point near the circle, from 0 to a turn.
+    pub(super) fn angle(&self, x: DVec3) -> f64 {
+        let away = x - self.center;
+        away.dot(self.v).atan2(away.dot(self.u)).rem_euclid(TAU)
+    }
+
+    /// The angles at which the circle passes through a plane.
+    pub(super) fn through(&self, plane: &Plane) -> Vec<f64> {
+        let a = plane.normal.dot(self.center) - plane.distance;
+        let [b, c] = [self.u, self.v].map(|axis| plane.normal.dot(axis));
+        let size = b.hypot(c);
+        if a.abs() >= size {
+            return Vec::new();
+        }
+        let (middle, half) = (c.atan2(b), (-a / size).acos());
+        [middle - half, middle + half].map(|angle| angle.rem_euclid(TAU)).to_vec()
+    }
+
+    /// The angles at which the ray through a point of the circle touches a ball, and crosses its outline.
+    pub(super) fn touching(&self, ball: &Ball, projection: &Projection) -> Vec<f64> {
+        let Self { center, u, v } = *self;
+        let wave = if projection.is_parallel {
+            let [m, u, v] = [center - ball.center, u, v].map(DVec3::truncate);
+            let [uu, vv] = [u, v].map(DVec2::length_squared);
+            Wave {
+                mean: m.length_squared() + 0.5 * (uu + vv) - ball.radius * ball.radius,
+                first: [2.0 * m.dot(u), 2.0 * m.dot(v)],
+                second: [0.5 * (uu - vv), u.dot(v)],
+            }
+        } else {
+            let power = ball.center.length_squared() - ball.radius * ball.radius;
+            let [m, a, b] = [center, u, v].map(|x| x.dot(ball.center));
+            let length2 = center.length_squared() + u.length_squared();
+            Wave {
+                mean: m * m + 0.5 * (a * a + b * b) - power * length2,
+                first: [2.0 * (m * a - power * center.dot(u)), 2.0 * (m * b - power * center.dot(v))],
+                second: [0.5 * (a * a - b * b), a * b],
+            }
+        };
+        wave.zeros()
+    }
+
+    /// The point of a ball's contour that the ray through a point touches, if it touches the ball.
+    pub(super) fn touched(ball: &Ball, x: DVec3, projection: &Projection) -> DVec3 {
+        match projection.is_parallel {
+            true => DVec3::new(x.x, x.y, ball.center.z),
+            false => x * (x.dot(ball.center) / x.length_squared()),
+        }
+    }
+
+    /// The picture of the circle as a matrix: columns of u, v and the centre, rows of place times depth, and depth.
+    fn picture(&self, projection: &Projection) -> [DVec3; 3] {
+        let column = |x: DVec3, one: f64| {
+            let depth = if projection.is_parallel { one } else { -x.z };
+            (projection.scale * x.truncate() + projection.middle * depth).extend(depth)
+        };
+        [column(self.u, 0.0), column(self.v, 0.0), column(self.center, 1.0)]
+    }
+
+    /// The ellipse that the camera sees; `None` for a circle that is seen from its side.
+    pub(super) fn ellipse(&self, projection: &Projection) -> Option<Ellipse> {
+        // With p = M (cos, sin, 1) the conic is p' M^-T diag(1, 1, -1) M^-1 p = 0, and its dual M diag(1, 1, -1) M'.
+        let [u, v, c] = self.picture(projection);
+        let dual = |i: usize, j: usize| u[i] * u[j] + v[i] * v[j] - c[i] * c[j];
+        let w = dual(2, 2);
+        let center = DVec2::new(dual(0, 2), dual(1, 2)) / w;
+        // The dual of an ellipse around its centre is the matrix of its squared half axes, negated.
+        let xx = center.x * center.x - dual(0, 0) / w;
+        let xy = center.x * center.y - dual(0, 1) / w;
+        let yy = center.y * center.y - dual(1, 1) / w;
+        let (mean, half) = (0.5 * (xx + yy), (0.5 * (xx - yy)).hypot(xy));
+        let turn = 0.5 * xy.atan2(0.5 * (xx - yy));
+        let axes = [mean + half, mean - half].map(|x| x.max(0.0).sqrt());
+        (w < 0.0 && axes[1] > 1e-9 * axes[0]).then_some(Ellipse { center, axes, turn })
+    }
+}
+
+/// An ellipse in the image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Ellipse {
+    /// The centre.
+    pub(super) center: DVec2,
+    /// Half the longer and the shorter axis.
+    pub(super) axes: [f64; 2],
+    /// The angle from the first axis of the image to the longer axis, toward the second.
+    pub(super) turn: f64,
+}
+
+impl Ellipse {
+    /// The angle of a place in the frame where the ellipse is a circle.
+    pub(super) fn angle(&self, place: DVec2) -> f64 {
+        let away = DVec2::from_angle(-self.turn).rotate(place - self.center);
+        (away.y / self.axes[1]).atan2(away.x / self.axes[0])
+    }
+
+    /// The place at such an angle.
+    pub(super) fn place(&self, angle: f64) -> DVec2 {
+        let (sin, cos) = angle.sin_cos();
+        self.center + DVec2::from_angle(self.turn).rotate(DVec2::new(self.axes[0] * cos, self.axes[1] * sin))
+    }
+}
+
+/// mean + first (cos, sin) a + second (cos, sin) 2 a.
+#[derive(Debug, Clone, Copy)]
+struct Wave {
+    mean: f64,
+    first: [f64; 2],
+    second: [f64; 2],
+}
+
+impl Wave {
+    fn at(&self, angle: f64) -> f64 {
+        let ((s, c), (s2, c2)) = (angle.sin_cos(), (2.0 * angle).sin_cos());
+        self.mean + self.first[0] * c + self.first[1] * s + self.second[0] * c2 + self.second[1] * s2
+    }
+
+    fn slope(&self, angle: f64) -> f64 {
+        let ((s, c), (s2, c2)) = (angle.sin_cos(), (2.0 * angle).sin_cos());
+        self.first[1] * c - self.first[0] * s + 2.0 * (self.second[1] * c2 - self.second[0] * s2)
+    }
+
+    /// The same, counted from another angle.
+    fn turned(&self, by: f64) -> Self {
+        let turn = |[a, b]: [f64; 2], by: f64| {
+            let (s, c) = by.sin_cos();
+            [a * c + b * s, b * c - a * s]
+        };
+        Self { mean: self.mean, first: turn(self.first, by), second: turn(self.second, 2.0 * by) }
+    }
+
+    /// The angles at which it changes its sign, from 0 to a turn. The half angle's tangent is a root of a quartic, counted from the angle
+    /// opposite of the one where the wave is farthest from 0 of sixteen.
+    fn zeros(&self) -> Vec<f64> {
+        let size = self.first.iter().chain(&self.second).map(|x| x.abs()).sum::<f64>();
+        if self.mean.abs() > size {
+            return Vec::new();
+        }
+        let angles = (0..16).map(|n| f64::from(n) * TAU / 16.0);
+        let far = angles.max_by(|a, b| self.at(*a).abs().total_cmp(&self.at(*b).abs())).unwrap_or_default();
+        let start = far - PI;
+        let Self { mean, first: [a1, b1], second: [a2, b2] } = self.turned(start);
+        let quartic = [mean + a1 + a2, 2.0 * b1 + 4.0 * b2, 2.0 * mean - 6.0 * a2, 2.0 * b1 - 4.0 * b2, mean - a1 + a2];
+        let polished = |t: f64| {
+            let mut angle = start + 2.0 * t.atan();
+            for _ in 0..2 {
+                let step = self.at(angle) / self.slope(angle);
+                if step.abs() < 1e-3 {
+                    angle -= step;
+                }
+            }
+            angle.rem_euclid(TAU)
+        };
+        sign_changes(&quartic).into_iter().map(polished).collect()
+    }
+}
+
+/// The real roots of a polynomial at which its sign changes, lowest coefficient first: between the roots of its derivative.
+fn sign_changes(of: &[f64]) -> Vec<f64> {
+    let Some((last, lower)) = of.split_last() else { return Vec::new() };
+    let largest = lower.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    if of.len() < 2 || *last == 0.0 && largest == 0.0 {
+        return Vec::new();
+    }
+    if *last == 0.0 {
+        return sign_changes(lower);
+    }
+    let slope: Vec<f64> = (1..).zip(&of[1..]).map(|(n, x)| f64::from(n) * x).collect();
+    let reach = 1.0 + largest / last.abs();
+    let ends = [-reach].into_iter().chain(sign_changes(&slope)).chain([reach]).collect::<Vec<_>>();
+    let value = |t: f64| of.iter().rev().fold(0.0, |sum, x| sum * t + x);
+    let mut roots = Vec::new();
+    for two in ends.windows(2) {
+        let [mut low, mut high] = [two[0], two[1]];
+        let sign = value(low) < 0.0;
+        if sign == (value(high) < 0.0) {
+            continue;
+        }
+        for _ in 0..128 {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                break;
+            }
+            if (value(middle) < 0.0) == sign { low = middle } else { high = middle }
+        }
+        roots.push(0.5 * (low + high));
+    }
+    roots
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sign_changes_are_found() {
+        // (t - 1)(t + 2)(t - 3)(t - 3.5)
+        let of = [-21.0, 23.5, 2.0, -5.5, 1.0];
+        let value = |t: f64| of.iter().rev().fold(0.0, |sum, x| sum * t + x);
+        for root in [1.0, -2.0, 3.0, 3.5] {
+            assert!(value(root).abs() < 1e-12, "{root}");
+        }
+        let found = sign_changes(&of);
+        assert_eq!(found.len(), 4);
+        assert!(found.iter().zip([-2.0, 1.0, 3.0, 3.5]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+        assert!(sign_changes(&[1.0, 0.0, 1.0]).is_empty() && sign_changes(&[2.0, 4.0, 0.0]) == [-0.5]);
+    }
+
+    #[test]
+    fn ellipses_hold_the_points_of_their_circles() {
+        for is_parallel in [false, true] {
+            let projection = Projection { middle: DVec2::new(50.0, 40.0), scale: DVec2::new(30.0, -30.0), is_parallel };
+            let [a, b] = [([0.3, 0.2, -5.0], 1.0), ([0.9, 0.5, -5.5], 0.8)]
+                .map(|(center, radius)| Ball { center: DVec3::from_array(center), radius });
+            for circle in [a.contour(&projection), b.contour(&projection), a.crossing(&b).expect("a circle")] {
+                let ellipse = circle.ellipse(&projection).expect("an ellipse");
+                for n in 0..20 {
+                    let place = projection.place(circle.point(f64::from(n)));
+                    assert!(place.distance(ellipse.place(ellipse.angle(place))) < 1e-12, "{ellipse:?}");
+                }
+            }
+            // Along an outline another ball is touched where it crosses the other outline.
+            let outline = a.contour(&projection);
+            let angles = outline.touching(&b, &projection);
+            assert_eq!(angles.len(), 2);
+            for angle in angles {
+                let x = outline.point(angle);
+                let other = Circle::touched(&b, x, &projection);
+                assert!((other.distance(b.center) - b.radius).abs() < 1e-12);
+                assert!(projection.place(x).distance(projection.place(other)) < 1e-11);
+                assert!((x.distance(a.center) - a.radius).abs() < 1e-12);
+            }
+        }
+    }
+}
