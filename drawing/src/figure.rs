@@ -22,6 +22,21 @@ pub use regions::Region;
 mod tests;
 
 /// The figure of a scene.
+///
+/// ```
+/// use halfline::{Camera, ImagePlane, Lighting, Scene, Spheres};
+/// use halfline_drawing::figure::Figure;
+///
+/// let mut spheres = Spheres::default();
+/// spheres.push([-0.4, 0.0, -4.0], 1.0, Some([0.8, 0.1, 0.1]));
+/// spheres.push([0.8, 0.0, -4.5], 1.0, Some([0.1, 0.3, 0.8]));
+/// let image = ImagePlane { width: 400, height: 300, ..ImagePlane::default() };
+/// let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Lighting::default() };
+/// let figure = Figure::new(&scene)?;
+/// assert_eq!(figure.regions().len(), 2);
+/// assert!(figure.svg(&scene).contains("<path id=\"s1\""));
+/// # Ok::<(), halfline::Error>(())
+/// ```
 pub struct Figure {
     projection: Projection,
     size: [u32; 2],
