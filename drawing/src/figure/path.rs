@@ -38,7 +38,7 @@ impl Regions {
         // Onward if the middle comes before the end.
         let [to_middle, to_end] = [middle, end].map(|angle| (angle - start).rem_euclid(TAU));
         let is_whole = (piece.to - piece.from).abs() > TAU - 1e-9;
-        let onward = if is_whole { true } else { to_middle < to_end };
+        let onward = is_whole || to_middle < to_end;
         let way = if is_whole {
             TAU
         } else if onward {

@@ -83,13 +83,13 @@ impl Scene<'_> {
         if other.is_some_and(|(depth, _)| depth < own) {
             return None;
         }
-        let left = curve.circle.tangent(self.projection, angle).perp() / self.projection.scale;
+        let left = curve.circle.tangent(self.projection, angle).perp();
         let (one, two) = if curve.is_outline() {
             // The ball lies on the side of its centre.
-            let inward = (self.projection.place(a.center) - place) / self.projection.scale;
-            (inward.dot(left * self.projection.scale * self.projection.scale) > 0.0, other.map(|(_, n)| n))
+            let inward = self.projection.place(a.center) - place;
+            (inward.dot(left) > 0.0, other.map(|(_, n)| n))
         } else {
-            let rise = |ball: &Ball| ball.rise(self.projection, x, left);
+            let rise = |ball: &Ball| ball.rise(self.projection, x, left / self.projection.scale);
             (rise(a) < rise(b), Some(curve.of[1]))
         };
         Some(if one { [Some(curve.of[0]), two] } else { [two, Some(curve.of[0])] })
