@@ -86,15 +86,7 @@ fn frames_of_cut_spheres_have_the_bits_of_the_cpu_path() {
             let (mut device, mut host, left) = both(&mut gpu, &scene, raster, number);
             assert_eq!(left, None, "case {case}, {lens:?}");
             on_faces += faces(&planes, &device);
-            let differ = device.id.iter().zip(&host.id).filter(|(a, b)| a != b).count();
-            if strict {
-                // What is not proved is left to the host, and may be NaN.
-                blank_unproved(&mut device);
-                blank_unproved(&mut host);
-                assert!(device == host, "case {case}, {lens:?}: {differ} ids differ");
-            } else {
-                assert_proved_alike(&device, &host, &format!("case {case}, {lens:?}"));
-            }
+            assert_agree(strict, &mut device, &mut host, &format!("case {case}, {lens:?}"));
             let is_sure = |id: &&u32| **id != UNSURE;
             proved += host.id.iter().filter(is_sure).count();
             cut += host.id.iter().filter(is_sure).filter(|id| **id < UNSURE && scene.spheres.is_cut(**id)).count();
