@@ -14,7 +14,7 @@ pub use super::raster::SvgAndPixels;
 pub type Drawn<T = ()> = Result<T, Source>;
 
 /// The pixels use DejaVu Sans; a browser without it uses the next font.
-const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
+pub(crate) const FONT: &str = "DejaVu Sans, Verdana, sans-serif";
 
 /// The colour of text.
 pub const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);

@@ -6,15 +6,18 @@ mod line;
 mod mark;
 mod page;
 mod scale;
+pub(crate) mod sheet;
 
 use super::canvas::plain;
 use super::raster::{missing, missing_letters};
+use glam::DVec2;
 use halfline::error::{Result, named};
 use halfline::frame::legend::Legend;
 use halfline::frame::srgb::linear;
 use halfline::frame::{Aov, Buffer, Data, Frame};
 use line::Line;
 use page::{Page, Panel};
+use sheet::Sheet;
 use std::collections::BTreeSet;
 
 pub use label::{Label, LabelValues};
@@ -96,8 +99,8 @@ impl Insets {
     pub fn legend_shares(&self, width: u32, height: u32) -> Result<[f64; 2]> {
         let Some((legend, corner)) = &self.legend else { return Ok([0.0; 2]) };
         let page = Page::new(width, height);
-        let (pixels, _) = page.legend(legend)?;
-        let share = (f64::from(page.margin) + f64::from(pixels.width())) / f64::from(width);
+        let (sheet, _) = page.legend(legend)?;
+        let share = (f64::from(page.margin) + f64::from(sheet.width())) / f64::from(width);
         if share > WIDEST {
             return Err(page.too_small("the legend beside the spheres"));
         }
@@ -116,19 +119,19 @@ impl Insets {
         let (mut words, mut unknown) = (Vec::new(), BTreeSet::new());
         let legend = match &self.legend {
             Some((legend, corner)) => {
-                let (pixels, [title, text]) = page.legend(legend)?;
+                let (sheet, [title, text]) = page.legend(legend)?;
                 unknown.extend(missing(&title, true).chain(missing(&text, false)));
                 words.push(format!("legend {}: {title}{text}", corner.name()));
-                Some((pixels, *corner))
+                Some((sheet, *corner))
             }
             None => None,
         };
         let on_the_right =
             legend.as_ref().filter(|(_, corner)| !matches!(corner, Corner::TopLeft | Corner::BottomLeft));
-        let taken = on_the_right.map_or(0.0, |(pixels, _)| pixels.width() as f32 + page.margin);
+        let taken = on_the_right.map_or(0.0, |(sheet, _)| sheet.width() as f32 + page.margin);
         let free = page.width - 2.0 * page.margin - taken;
         let label = self.label.as_deref().map(plain).filter(|label| !label.trim().is_empty());
-        let label = label.map(|label| page.label(&label, free).map(|pixels| (pixels, label))).transpose()?;
+        let label = label.map(|label| page.label(&label, free).map(|sheet| (sheet, label))).transpose()?;
         let bar = self.scale_bar.as_ref().map(|bar| page.scale_bar(bar.per_pixel, &bar.unit, free)).transpose()?;
         if let Some((_, label)) = &label {
             unknown.extend(missing(label, false));
@@ -140,22 +143,22 @@ impl Insets {
         }
         let mut panels = Vec::new();
         let (mut top, mut bottom) = (page.margin, page.height - page.margin);
-        if let Some((pixels, _)) = label {
-            let panel = Panel { at: [page.margin as usize, top as usize], pixels };
+        if let Some((sheet, _)) = label {
+            let panel = Panel { at: [page.margin as usize, top as usize], sheet };
             if legend.as_ref().is_some_and(|(_, corner)| *corner == Corner::TopLeft) {
-                top += panel.pixels.height() as f32 + page.margin;
+                top += panel.sheet.height() as f32 + page.margin;
             }
             panels.push(panel);
         }
-        if let Some((pixels, _)) = bar {
-            let row = bottom - pixels.height() as f32;
+        if let Some((sheet, _)) = bar {
+            let row = bottom - sheet.height() as f32;
             if legend.as_ref().is_some_and(|(_, corner)| *corner == Corner::BottomLeft) {
                 bottom = row - page.margin;
             }
-            panels.push(Panel { at: [page.margin as usize, row.max(0.0) as usize], pixels });
+            panels.push(Panel { at: [page.margin as usize, row.max(0.0) as usize], sheet });
         }
-        if let Some((pixels, corner)) = legend {
-            let [wide, high] = [pixels.width() as f32, pixels.height() as f32];
+        if let Some((sheet, corner)) = legend {
+            let [wide, high] = [sheet.width() as f32, sheet.height() as f32];
             if high > bottom - top {
                 return Err(page.too_small("the legend"));
             }
@@ -168,7 +171,7 @@ impl Insets {
                 Corner::BottomLeft | Corner::BottomRight => bottom - high,
                 Corner::Right => ((page.height - high) / 2.0).floor(),
             };
-            panels.push(Panel { at: [left.max(0.0) as usize, row.max(0.0) as usize], pixels });
+            panels.push(Panel { at: [left.max(0.0) as usize, row.max(0.0) as usize], sheet });
         }
         Ok(Panels { panels, lines: Vec::new(), words: words.join("; "), unknown })
     }
@@ -188,6 +191,12 @@ impl Panels {
         self.words += words;
     }
 
+    /// All that is drawn, from back to front, with the places of the top left corners.
+    pub(crate) fn sheets(&self) -> impl Iterator<Item = (DVec2, &Sheet)> {
+        let panels = self.lines.iter().map(|(_, panel)| panel).chain(&self.panels);
+        panels.map(|Panel { at, sheet }| (DVec2::from(at.map(|x| x as f64)), sheet))
+    }
+
     /// A warning about letters that the font lacks, in a whole sentence; `None` if it lacks none.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
@@ -198,8 +207,8 @@ impl Panels {
     #[must_use]
     pub fn cover_spheres(&self, ids: &[i32], width: u32) -> bool {
         let width = width as usize;
-        self.panels.iter().any(|Panel { at: [left, top], pixels }| {
-            let [wide, high] = [pixels.width(), pixels.height()].map(|side| side as usize);
+        self.panels.iter().any(|Panel { at: [left, top], sheet }| {
+            let [wide, high] = [sheet.width(), sheet.height()].map(|side| side as usize);
             let (first, end) = ((*left).min(width), (left + wide).min(width));
             let mut rows = ids.chunks(width.max(1)).skip(*top).take(high);
             rows.any(|row| row.get(first..end).is_some_and(|ids| ids.iter().any(|id| *id >= 0)))
@@ -211,8 +220,9 @@ impl Panels {
         let mut covered = Vec::new();
         let columns = frame.width as usize;
         let lines = self.lines.iter().map(|(_, panel)| panel);
-        for Panel { at: [left, top], pixels } in lines.chain(&self.panels) {
-            for (row, line) in pixels.pixels().chunks(pixels.width() as usize).enumerate() {
+        for Panel { at: [left, top], sheet } in lines.chain(&self.panels) {
+            let Some(pixels) = sheet.pixels() else { continue };
+            for (row, line) in pixels.pixels().chunks(sheet.width() as usize).enumerate() {
                 let line = &line[..line.len().min(columns.saturating_sub(*left))];
                 for buffer in &mut frame.buffers {
                     let channels = buffer.channels();

@@ -1,7 +1,9 @@
 //! The balls that may be seen in each cell of the image.
 
 use super::circle::{Ball, Projection};
+use super::solids::Solids;
 use glam::DVec2;
+use halfline::parallel::{self, CHEAP};
 
 /// Square cells of the image with the balls that may be seen there: those whose outlines reach the cell, but for such as lie behind one that
 /// covers all of it.
@@ -15,24 +17,21 @@ pub(super) struct Cells {
     balls: Vec<u32>,
 }
 
-/// The extent of a ball in the image, and its depths.
+/// The extent of a ball in the image.
 #[derive(Debug, Clone, Copy)]
-struct Extent {
+pub(super) struct Extent {
     /// A rectangle around its outline.
     low: DVec2,
     high: DVec2,
-    /// The least depth, and the largest of what is seen of it.
-    depths: [f64; 2],
+    /// The least depth.
+    depth: f64,
 }
 
 impl Extent {
     /// The extent of a ball in front of the eye.
-    pub(super) fn of(ball: &Ball, projection: &Projection) -> Option<Self> {
+    pub(super) fn of(ball: &Ball, projection: &Projection) -> Self {
         let Ball { center, radius } = *ball;
         let depth = -center.z;
-        if !projection.is_parallel && depth <= radius {
-            return None;
-        }
         // Of the slopes along each axis the tangents in the plane of the axis and the view.
         let range = |x: f64| {
             if projection.is_parallel {
@@ -44,61 +43,69 @@ impl Extent {
         };
         let [x, y] = [range(center.x), range(center.y)];
         let ends = [0, 1].map(|n| projection.middle + projection.scale * DVec2::new(x[n], y[n]));
-        let inner = if projection.is_parallel { 0.0 } else { radius * radius / center.length_squared() };
-        // The contour lies in a plane; its farthest point is not deeper than its centre by more than its radius times the slant.
-        let slant = if projection.is_parallel { 0.0 } else { center.truncate().length() / center.length() };
-        let contour = depth * (1.0 - inner) + radius * (1.0 - inner).sqrt() * slant;
-        Some(Self { low: ends[0].min(ends[1]), high: ends[0].max(ends[1]), depths: [depth - radius, contour] })
+        Self { low: ends[0].min(ends[1]), high: ends[0].max(ends[1]), depth: depth - radius }
+    }
+
+    /// Its longer side.
+    pub(super) fn length(&self) -> f64 {
+        (self.high - self.low).max_element()
     }
 }
 
+/// Sides of cells of the usual size of a ball; of the whole the largest has at most so many.
+const SHARE: f64 = 0.25;
+const MOST: f64 = 2048.0;
+
 impl Cells {
-    /// The cells of all that reaches into an image of this size; of what does not, nothing is listed.
-    pub(super) fn new(balls: &[Ball], projection: &Projection, size: DVec2) -> Self {
-        let reaches = |extent: &Extent| extent.high.cmpge(DVec2::ZERO).all() && extent.low.cmple(size).all();
-        let extents: Vec<_> = balls.iter().map(|ball| Extent::of(ball, projection).filter(reaches)).collect();
+    /// The cells of what lies within a window of the image.
+    pub(super) fn new(solids: &Solids, window: [DVec2; 2]) -> Self {
+        let Solids { balls, projection, .. } = solids;
+        let extents: Vec<Extent> = parallel::values(balls.len(), CHEAP, |n| Extent::of(&balls[n], projection));
         let around = |[low, high]: [DVec2; 2], extent: &Extent| [low.min(extent.low), high.max(extent.high)];
-        let [corner, end] = extents.iter().flatten().fold([DVec2::ZERO, size], around);
-        let size = end - corner;
-        let extents: Vec<_> = extents
-            .into_iter()
-            .map(|extent| extent.map(|of| Extent { low: of.low - corner, high: of.high - corner, ..of }))
-            .collect();
-        let mut sides: Vec<f64> =
-            extents.iter().flatten().map(|extent| (extent.high - extent.low).min_element()).collect();
+        let [low, high] = extents.iter().fold([DVec2::INFINITY, DVec2::NEG_INFINITY], around);
+        let (corner, end) = (low.max(window[0]), high.min(window[1]));
+        let size = (end - corner).max(DVec2::ZERO);
+        let mut sides: Vec<f64> = extents.iter().map(|extent| (extent.high - extent.low).min_element()).collect();
         let middle = sides.len() / 2;
         let usual = if sides.is_empty() { 1.0 } else { *sides.select_nth_unstable_by(middle, f64::total_cmp).1 };
-        let side = (0.25 * usual).max(size.max_element() / 2048.0);
+        let side = (SHARE * usual).max(size.max_element() / MOST).max(f64::MIN_POSITIVE);
         let [columns, rows] = [size.x, size.y].map(|length| (length / side).ceil().max(1.0) as usize);
         let range = |low: f64, high: f64, count: usize| {
             let first = (low / side).floor().clamp(0.0, count as f64) as usize;
             first..((high / side).floor() + 1.0).clamp(first as f64, count as f64) as usize
         };
+        let ranges = |extent: &Extent| {
+            let [low, high] = [extent.low - corner, extent.high - corner];
+            [range(low.x, high.x, columns), range(low.y, high.y, rows)]
+        };
+        // Each bound is the depth behind which a ball hides all. Depths of a convex body over a cell are greatest at a corner.
         let mut bounds = vec![f64::INFINITY; columns * rows];
-        let inside = |ball: &Ball, place: DVec2| ball.depth(projection, place).is_some();
-        for (ball, extent) in balls.iter().zip(&extents).filter_map(|(ball, extent)| Some((ball, (*extent)?))) {
-            let (columns_in, rows_in) =
-                (range(extent.low.x, extent.high.x, columns), range(extent.low.y, extent.high.y, rows));
+        for (n, extent) in (0..).zip(&extents) {
+            let [columns_in, rows_in] = ranges(extent);
             if columns_in.len() < 3 || rows_in.len() < 3 {
                 continue;
             }
             for row in rows_in {
                 for column in columns_in.clone() {
                     let bound = &mut bounds[row * columns + column];
-                    let at = |x: usize, y: usize| corner + DVec2::new((column + x) as f64, (row + y) as f64) * side;
-                    let covers = || [(0, 0), (1, 0), (0, 1), (1, 1)].iter().all(|(x, y)| inside(ball, at(*x, *y)));
-                    if extent.depths[1] < *bound && covers() {
-                        *bound = extent.depths[1];
+                    if extent.depth >= *bound {
+                        continue;
                     }
+                    let at = |[x, y]: [usize; 2]| corner + DVec2::new((column + x) as f64, (row + y) as f64) * side;
+                    let deepest = [[0, 0], [1, 0], [0, 1], [1, 1]]
+                        .iter()
+                        .try_fold(0.0_f64, |most, by| Some(most.max(solids.depth(n, at(*by))?)));
+                    *bound = bound.min(deepest.map_or(f64::INFINITY, |depth| depth * (1.0 + 1e-12)));
                 }
             }
         }
         let mut entries: Vec<(u32, u32)> = Vec::new();
-        for (n, extent) in (0..).zip(&extents).filter_map(|(n, extent)| Some((n, (*extent)?))) {
-            for row in range(extent.low.y, extent.high.y, rows) {
-                for column in range(extent.low.x, extent.high.x, columns) {
+        for (n, extent) in (0..).zip(&extents) {
+            let [columns_in, rows_in] = ranges(extent);
+            for row in rows_in {
+                for column in columns_in.clone() {
                     let cell = row * columns + column;
-                    if extent.depths[0] <= bounds[cell] {
+                    if extent.depth <= bounds[cell] {
                         entries.push((cell as u32, n));
                     }
                 }
@@ -117,11 +124,12 @@ impl Cells {
         Self { corner, side, columns, rows, first, balls: listed }
     }
 
-    /// The balls of the cell of a place; none outside of the image.
+    /// The balls of the cell of a place; none outside of the cells.
     pub(super) fn at(&self, place: DVec2) -> &[u32] {
         let [column, row] = ((place - self.corner) / self.side).floor().to_array();
-        let is_within = column >= 0.0 && row >= 0.0 && column < self.columns as f64 && row < self.rows as f64;
-        if is_within { self.cell(row as usize * self.columns + column as usize) } else { &[] }
+        let is_within = column >= 0.0 && row >= 0.0 && column <= self.columns as f64 && row <= self.rows as f64;
+        let [column, row] = [(column as usize).min(self.columns - 1), (row as usize).min(self.rows - 1)];
+        if is_within { self.cell(row * self.columns + column) } else { &[] }
     }
 
     fn cell(&self, n: usize) -> &[u32] {

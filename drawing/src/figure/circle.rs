@@ -1,7 +1,8 @@
 //! Circles in space, as a camera sees them: outlines of balls, and where the surfaces of two cross.
 
+use super::wave::Wave;
 use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 /// A sphere in the camera's coordinates: right, up and back.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,8 +32,8 @@ impl Projection {
         self.middle + self.scale * x.truncate() / depth
     }
 
-    /// The place of a point's derivative in the image, times the square of the depth.
-    fn velocity(&self, x: DVec3, moved: DVec3) -> DVec2 {
+    /// The direction of a point's derivative in the image, times the square of the depth.
+    pub(super) fn velocity(&self, x: DVec3, moved: DVec3) -> DVec2 {
         match self.is_parallel {
             true => self.scale * moved.truncate(),
             false => self.scale * (moved.truncate() * -x.z + x.truncate() * moved.z),
@@ -45,8 +46,15 @@ impl Projection {
         if self.is_parallel { (at, DVec3::NEG_Z) } else { (DVec3::ZERO, at - DVec3::Z) }
     }
 
+    /// The movement of a point of a surface with this normal, as its place in the image moves: in slopes, or in lengths of the camera.
+    pub(super) fn shift(&self, normal: DVec3, x: DVec3, toward: DVec2) -> DVec3 {
+        let way = if self.is_parallel { DVec3::NEG_Z } else { x / -x.z };
+        let moved = (if self.is_parallel { toward } else { toward * -x.z }).extend(0.0);
+        moved - way * (normal.dot(moved) / normal.dot(way))
+    }
+
     /// The way of the ray through a point.
-    fn way(&self, x: DVec3) -> DVec3 {
+    pub(super) fn way(&self, x: DVec3) -> DVec3 {
         if self.is_parallel { DVec3::NEG_Z } else { x }
     }
 }
@@ -54,15 +62,13 @@ impl Projection {
 /// The part of the square of a radius below which a discriminant counts as that of a ray that only touches.
 const TOUCHING: f64 = 1e-11;
 
-impl Ball {
-    /// The depth at which the ray of a place enters the ball.
-    pub(super) fn depth(&self, projection: &Projection, place: DVec2) -> Option<f64> {
-        self.depth_within(projection, place, f64::NEG_INFINITY)
-    }
+/// The part of the square of a radius within which a ray may touch: a cut more than is needed does no harm.
+const NEAR: f64 = 1e-8;
 
-    /// The same, also of a ray that only touches the ball nearer than `near`, and not of one that only touches it farther away: outlines
-    /// that are one in the image are those of the nearest ball.
-    pub(super) fn depth_within(&self, projection: &Projection, place: DVec2, near: f64) -> Option<f64> {
+impl Ball {
+    /// The depths at which the ray of a place enters the ball and leaves it; also those of a ray that only touches the ball nearer than
+    /// `near`, and not of one that only touches it farther away: outlines that are one in the image are those of the nearest ball.
+    pub(super) fn depths(&self, projection: &Projection, place: DVec2, near: f64) -> Option<[f64; 2]> {
         let (start, along) = projection.ray(place);
         let (away, a) = (self.center - start, along.length_squared());
         let b = along.dot(away);
@@ -74,15 +80,16 @@ impl Ball {
             return None;
         }
         let (power, root) = (away.length_squared() - radius2, (a * disc.max(0.0)).sqrt());
-        Some(if projection.is_parallel { b - root } else { power / (b + root) })
+        let first = if projection.is_parallel { b - root } else { power / (b + root) };
+        Some([first, (b + root) / a])
     }
 
-    /// The growth of the depth of the surface at a point toward a direction of the image, in slopes or lengths.
-    pub(super) fn rise(&self, projection: &Projection, x: DVec3, toward: DVec2) -> f64 {
-        let normal = x - self.center;
-        let way = if projection.is_parallel { DVec3::NEG_Z } else { x / -x.z };
-        let moved = if projection.is_parallel { toward } else { toward * -x.z };
-        -normal.dot(moved.extend(0.0)) / normal.dot(way)
+    /// Whether the ray of a place touches the ball, as near as places are told apart.
+    pub(super) fn is_touched(&self, projection: &Projection, place: DVec2) -> bool {
+        let (start, along) = projection.ray(place);
+        let away = self.center - start;
+        let across = away - along * (along.dot(away) / along.length_squared());
+        (across.length_squared() / (self.radius * self.radius) - 1.0).abs() < NEAR
     }
 
     /// Whether a point of the surface faces the eye.
@@ -117,7 +124,7 @@ impl Ball {
 /// A circle: the points center + cos a u + sin a v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Circle {
-    center: DVec3,
+    pub(super) center: DVec3,
     u: DVec3,
     v: DVec3,
 }
@@ -125,8 +132,8 @@ pub(super) struct Circle {
 /// A plane: the points x with normal.x = distance.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plane {
-    normal: DVec3,
-    distance: f64,
+    pub(super) normal: DVec3,
+    pub(super) distance: f64,
 }
 
 impl Plane {
@@ -143,6 +150,64 @@ impl Plane {
         let between = b.center - a.center;
         let share = 0.5 * (between.length_squared() + (a.radius - b.radius) * (a.radius + b.radius));
         Self { normal: between, distance: between.dot(a.center) + share }
+    }
+
+    /// The plane of the rays through the points of a line.
+    pub(super) fn of_rays(line: &Line, projection: &Projection) -> Self {
+        let normal = line.along.cross(if projection.is_parallel { DVec3::Z } else { line.from });
+        Self { normal, distance: if projection.is_parallel { normal.dot(line.from) } else { 0.0 } }
+    }
+
+    /// The height of a point above it, in lengths of its normal.
+    pub(super) fn height(&self, x: DVec3) -> f64 {
+        self.normal.dot(x) - self.distance
+    }
+
+    /// The point of the plane on the ray through a point.
+    fn on_ray(&self, x: DVec3, projection: &Projection) -> DVec3 {
+        match projection.is_parallel {
+            true => x - DVec3::Z * (self.height(x) / self.normal.z),
+            false => x * (self.distance / self.normal.dot(x)),
+        }
+    }
+
+    /// The circle in which it cuts the surface of a ball; `None` where it does not. Its normal has the length 1.
+    pub(super) fn cut(&self, ball: &Ball) -> Option<Circle> {
+        let height = self.height(ball.center);
+        let radius2 = (ball.radius - height) * (ball.radius + height);
+        (radius2 > 0.0).then(|| Circle::new(ball.center - height * self.normal, self.normal, radius2.sqrt()))
+    }
+
+    /// The line in which it cuts another plane; `None` for parallel ones. Both normals have the length 1.
+    pub(super) fn crossing(&self, other: &Self) -> Option<Line> {
+        let along = self.normal.cross(other.normal);
+        let length2 = along.length_squared();
+        let from = (self.distance * other.normal.cross(along) + other.distance * along.cross(self.normal)) / length2;
+        (length2 > 1e-20).then(|| Line { from, along: along / length2.sqrt() })
+    }
+}
+
+/// A straight line: the points from + t along.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Line {
+    pub(super) from: DVec3,
+    pub(super) along: DVec3,
+}
+
+impl Line {
+    /// The t at which it passes through a plane.
+    pub(super) fn through(&self, plane: &Plane) -> f64 {
+        -plane.height(self.from) / plane.normal.dot(self.along)
+    }
+
+    /// The t of the point that is seen where a point is seen, which is seen on the line.
+    pub(super) fn under(&self, x: DVec3, projection: &Projection) -> f64 {
+        if projection.is_parallel {
+            let along = self.along.truncate();
+            return (x - self.from).truncate().dot(along) / along.length_squared();
+        }
+        let across = self.along.cross(self.from).cross(x);
+        -across.dot(self.from) / across.dot(self.along)
     }
 }
 
@@ -206,6 +271,46 @@ impl Circle {
         wave.zeros()
     }
 
+    /// The angles at which the ray through a point of the circle passes through a circle of a plane.
+    pub(super) fn meeting(&self, other: &Self, plane: &Plane, projection: &Projection) -> Vec<f64> {
+        let linear = |of: DVec3| [self.center, self.u, self.v].map(|x| x.dot(of));
+        let radius2 = other.u.length_squared();
+        if projection.is_parallel {
+            // The point on the plane is x - Z h/nz; its distance from the middle, in x, y and z times nz.
+            let [mut height, inner] = [linear(plane.normal), other.center.to_array()];
+            height[0] -= plane.distance;
+            let nz = plane.normal.z;
+            let away = |k: usize| {
+                let axis = [DVec3::X, DVec3::Y, DVec3::Z][k];
+                let own = linear(axis);
+                [0, 1, 2]
+                    .map(|n| nz * (own[n] - if n == 0 { inner[k] } else { 0.0 }) - if k == 2 { height[n] } else { 0.0 })
+            };
+            let [x, y, z] = [0, 1, 2].map(away);
+            let wave = Wave::product(x, x).plus(1.0, &Wave::product(y, y)).plus(1.0, &Wave::product(z, z));
+            return wave.plus(-radius2 * nz * nz, &Wave::product([1.0, 0.0, 0.0], [1.0, 0.0, 0.0])).zeros();
+        }
+        // With p = x d / n.x: |p - m|^2 - r^2, times (n.x)^2.
+        let [along, middle] = [plane.normal, other.center].map(linear);
+        let d = plane.distance;
+        let own = [DVec3::X, DVec3::Y, DVec3::Z].map(linear).map(|axis| Wave::product(axis, axis));
+        let square = own[0].plus(1.0, &own[1]).plus(1.0, &own[2]);
+        let wave = Wave::product([0.0; 3], [0.0; 3]).plus(d * d, &square);
+        let wave = wave.plus(-2.0 * d, &Wave::product(along, middle));
+        wave.plus(other.center.length_squared() - radius2, &Wave::product(along, along)).zeros()
+    }
+
+    /// The angle of the point of a circle of a plane that is seen where a point is seen.
+    pub(super) fn under(&self, x: DVec3, plane: &Plane, projection: &Projection) -> f64 {
+        self.angle(plane.on_ray(x, projection))
+    }
+
+    /// The angles of the points that are seen where a point is seen, of a circle of a plane that is seen from its side.
+    pub(super) fn on_edge(&self, x: DVec3, plane: &Plane, projection: &Projection) -> Vec<f64> {
+        let normal = projection.way(x).cross(plane.normal);
+        self.through(&Plane { normal, distance: normal.dot(x) })
+    }
+
     /// The point of a ball's contour that the ray through a point touches, if it touches the ball.
     pub(super) fn touched(ball: &Ball, x: DVec3, projection: &Projection) -> DVec3 {
         match projection.is_parallel {
@@ -266,110 +371,9 @@ impl Ellipse {
     }
 }
 
-/// mean + first (cos, sin) a + second (cos, sin) 2 a.
-#[derive(Debug, Clone, Copy)]
-struct Wave {
-    mean: f64,
-    first: [f64; 2],
-    second: [f64; 2],
-}
-
-impl Wave {
-    fn at(&self, angle: f64) -> f64 {
-        let ((s, c), (s2, c2)) = (angle.sin_cos(), (2.0 * angle).sin_cos());
-        self.mean + self.first[0] * c + self.first[1] * s + self.second[0] * c2 + self.second[1] * s2
-    }
-
-    fn slope(&self, angle: f64) -> f64 {
-        let ((s, c), (s2, c2)) = (angle.sin_cos(), (2.0 * angle).sin_cos());
-        self.first[1] * c - self.first[0] * s + 2.0 * (self.second[1] * c2 - self.second[0] * s2)
-    }
-
-    /// The same, counted from another angle.
-    fn turned(&self, by: f64) -> Self {
-        let turn = |[a, b]: [f64; 2], by: f64| {
-            let (s, c) = by.sin_cos();
-            [a * c + b * s, b * c - a * s]
-        };
-        Self { mean: self.mean, first: turn(self.first, by), second: turn(self.second, 2.0 * by) }
-    }
-
-    /// The angles at which it changes its sign, from 0 to a turn. The half angle's tangent is a root of a quartic, counted from the angle
-    /// opposite of the one where the wave is farthest from 0 of sixteen.
-    fn zeros(&self) -> Vec<f64> {
-        let size = self.first.iter().chain(&self.second).map(|x| x.abs()).sum::<f64>();
-        if self.mean.abs() > size {
-            return Vec::new();
-        }
-        let angles = (0..16).map(|n| f64::from(n) * TAU / 16.0);
-        let far = angles.max_by(|a, b| self.at(*a).abs().total_cmp(&self.at(*b).abs())).unwrap_or_default();
-        let start = far - PI;
-        let Self { mean, first: [a1, b1], second: [a2, b2] } = self.turned(start);
-        let quartic = [mean + a1 + a2, 2.0 * b1 + 4.0 * b2, 2.0 * mean - 6.0 * a2, 2.0 * b1 - 4.0 * b2, mean - a1 + a2];
-        let polished = |t: f64| {
-            let mut angle = start + 2.0 * t.atan();
-            for _ in 0..2 {
-                let step = self.at(angle) / self.slope(angle);
-                if step.abs() < 1e-3 {
-                    angle -= step;
-                }
-            }
-            angle.rem_euclid(TAU)
-        };
-        sign_changes(&quartic).into_iter().map(polished).collect()
-    }
-}
-
-/// The real roots of a polynomial at which its sign changes, lowest coefficient first: between the roots of its derivative.
-fn sign_changes(of: &[f64]) -> Vec<f64> {
-    let Some((last, lower)) = of.split_last() else { return Vec::new() };
-    let largest = lower.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    if of.len() < 2 || *last == 0.0 && largest == 0.0 {
-        return Vec::new();
-    }
-    if *last == 0.0 {
-        return sign_changes(lower);
-    }
-    let slope: Vec<f64> = (1..).zip(&of[1..]).map(|(n, x)| f64::from(n) * x).collect();
-    let reach = 1.0 + largest / last.abs();
-    let ends = [-reach].into_iter().chain(sign_changes(&slope)).chain([reach]).collect::<Vec<_>>();
-    let value = |t: f64| of.iter().rev().fold(0.0, |sum, x| sum * t + x);
-    let mut roots = Vec::new();
-    for two in ends.windows(2) {
-        let [mut low, mut high] = [two[0], two[1]];
-        let sign = value(low) < 0.0;
-        if sign == (value(high) < 0.0) {
-            continue;
-        }
-        for _ in 0..128 {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
-                break;
-            }
-            if (value(middle) < 0.0) == sign { low = middle } else { high = middle }
-        }
-        roots.push(0.5 * (low + high));
-    }
-    roots
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn sign_changes_are_found() {
-        // (t - 1)(t + 2)(t - 3)(t - 3.5)
-        let of = [-21.0, 23.5, 2.0, -5.5, 1.0];
-        let value = |t: f64| of.iter().rev().fold(0.0, |sum, x| sum * t + x);
-        for root in [1.0, -2.0, 3.0, 3.5] {
-            assert!(value(root).abs() < 1e-12, "{root}");
-        }
-        let found = sign_changes(&of);
-        assert_eq!(found.len(), 4);
-        assert!(found.iter().zip([-2.0, 1.0, 3.0, 3.5]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
-        assert!(sign_changes(&[1.0, 0.0, 1.0]).is_empty() && sign_changes(&[2.0, 4.0, 0.0]) == [-0.5]);
-    }
 
     #[test]
     fn ellipses_hold_the_points_of_their_circles() {

@@ -1,36 +1,53 @@
-//! Paths of SVG: closed lines of elliptical arcs.
+//! Paths: the lines of regions as arcs of ellipses and straight lines of the image.
 
-use super::circle::Projection;
+use super::circle::{Ellipse, Projection};
+use super::curves::Shape;
 use super::regions::{Piece, Region, Regions};
 use glam::DVec2;
 use std::f64::consts::TAU;
-use std::fmt::Write;
 
 /// The largest part of an ellipse in one arc, so that no arc is the larger of two.
 const MOST: f64 = 2.6;
 
+/// A step of a path.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Step {
+    /// A closed line begins.
+    Start(DVec2),
+    /// A straight line.
+    Line(DVec2),
+    /// A part of an ellipse: from an angle of it so far on, or back where that is negative, to a place.
+    Arc { ellipse: Ellipse, from: f64, way: f64, to: DVec2 },
+}
+
 impl Regions {
-    /// The value of `d` of a region's path.
-    pub(super) fn path(&self, region: &Region, projection: &Projection) -> String {
-        let mut path = String::new();
+    /// The path of a region, of closed lines.
+    pub(super) fn path(&self, region: &Region, projection: &Projection) -> Vec<Step> {
+        let mut path = Vec::new();
         for line in &region.lines {
             for (n, piece) in line.iter().enumerate() {
                 if n == 0 {
-                    let start = projection.place(self.curves[piece.curve as usize].circle.point(piece.from));
-                    let _ = write!(path, "M{}", numbers(start));
+                    path.push(Step::Start(projection.place(self.shape(piece).point(piece.from))));
                 }
                 self.add(piece, projection, &mut path);
             }
-            path.push('Z');
         }
         path
     }
 
-    fn add(&self, piece: &Piece, projection: &Projection, path: &mut String) {
-        let circle = &self.curves[piece.curve as usize].circle;
-        let place = |angle: f64| projection.place(circle.point(angle));
-        let Some(ellipse) = circle.ellipse(projection) else {
-            let _ = write!(path, "L{}", numbers(place(piece.to)));
+    fn shape(&self, piece: &Piece) -> &Shape {
+        &self.curves[piece.curve as usize].shape
+    }
+
+    fn add(&self, piece: &Piece, projection: &Projection, path: &mut Vec<Step>) {
+        let shape = self.shape(piece);
+        let place = |at: f64| projection.place(shape.point(at));
+        let ellipse = match shape {
+            Shape::Circle(circle) => circle.ellipse(projection),
+            Shape::Line(_) => None,
+        };
+        let Some(ellipse) = ellipse else {
+            path.push(Step::Line(place(piece.to)));
             return;
         };
         let [start, end] = [piece.from, piece.to].map(|angle| ellipse.angle(place(angle)));
@@ -38,38 +55,19 @@ impl Regions {
         // Onward if the middle comes before the end.
         let [to_middle, to_end] = [middle, end].map(|angle| (angle - start).rem_euclid(TAU));
         let is_whole = (piece.to - piece.from).abs() > TAU - 1e-9;
-        let onward = is_whole || to_middle < to_end;
         let way = if is_whole {
             TAU
-        } else if onward {
+        } else if to_middle < to_end {
             to_end
         } else {
-            TAU - to_end
+            to_end - TAU
         };
-        let count = (way / MOST).ceil().max(1.0) as u32;
-        let [a, b] = ellipse.axes;
-        for n in 1..=count {
-            let share = f64::from(n) / f64::from(count) * way;
-            let angle = if onward { start + share } else { start - share };
-            let to = if n == count { place(piece.to) } else { ellipse.place(angle) };
-            let sweep = u8::from(onward);
-            let _ = write!(
-                path,
-                "A{} {} 0 {sweep} {}",
-                numbers(DVec2::new(a, b)),
-                number(ellipse.turn.to_degrees()),
-                numbers(to)
-            );
+        let count = (way.abs() / MOST).ceil().max(1.0) as u32;
+        let part = way / f64::from(count);
+        for n in 0..count {
+            let from = start + f64::from(n) * part;
+            let to = if n + 1 == count { place(piece.to) } else { ellipse.place(from + part) };
+            path.push(Step::Arc { ellipse, from, way: part, to });
         }
     }
-}
-
-fn number(x: f64) -> String {
-    let text = format!("{x:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".into() } else { text.into() }
-}
-
-fn numbers(at: DVec2) -> String {
-    format!("{} {}", number(at.x), number(at.y))
 }

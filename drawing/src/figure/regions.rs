@@ -1,27 +1,16 @@
-//! The visible part of every ball, as closed lines of arcs: the outlines of balls and the circles where two meet are cut where they cross
-//! each other in the image, and of each piece the balls on both sides are found.
+//! What is seen, as closed lines: curves are cut where they cross each other in the image, and of each piece it is found what is seen on
+//! both sides.
 
 use super::cells::Cells;
-use super::circle::{Ball, Circle, Plane, Projection};
-use glam::DVec2;
+use super::circle::Projection;
+use super::curves::{Curve, Curves, Kind, Shape};
+use super::solids::{Question, Solids, Surface};
+use glam::{DVec2, DVec3};
+use halfline::parallel;
 use std::collections::{HashMap, HashSet};
 use std::f64::consts::TAU;
 
-/// A circle with what it bounds.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Curve {
-    pub(super) circle: Circle,
-    /// The ball that it outlines, or the two that meet.
-    pub(super) of: [u32; 2],
-}
-
-impl Curve {
-    fn is_outline(&self) -> bool {
-        self.of[0] == self.of[1]
-    }
-}
-
-/// A piece of a curve, from one angle on to another, or back.
+/// A piece of a curve, from one angle or distance on to another, or back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Piece {
     pub(super) curve: u32,
@@ -29,16 +18,16 @@ pub(super) struct Piece {
     pub(super) to: f64,
 }
 
-/// The visible part of a ball.
+/// A part of the picture that is one path: what is seen of a sphere, or of a face, or of several that are not told apart.
 #[derive(Debug, Clone)]
-pub struct Region {
-    /// The id of its sphere.
-    pub sphere: u32,
+pub(super) struct Region {
+    /// What is seen in it; of several the first.
+    pub(super) surface: Surface,
     /// Closed lines; a point is inside that lies within an odd number of them.
     pub(super) lines: Vec<Vec<Piece>>,
 }
 
-/// The visible parts of balls.
+/// The visible parts of solids.
 pub(super) struct Regions {
     pub(super) curves: Vec<Curve>,
     pub(super) regions: Vec<Region>,
@@ -49,64 +38,192 @@ pub(super) struct Regions {
 /// The distance within which places are one, in units of the image.
 const SAME: f64 = 1e-7;
 
-struct Scene<'a> {
-    balls: &'a [Ball],
-    projection: &'a Projection,
-    cells: Cells,
-}
+/// The surfaces on the left and on the right of a piece, whichever way the second axis of the image goes.
+type Sides = [Option<Surface>; 2];
 
-/// A piece with its ends, and the balls on the left and on the right.
+/// A piece with the places of its ends, and what is on its sides.
 struct Edge {
     piece: Piece,
-    ends: [u32; 2],
-    sides: [Option<u32>; 2],
+    ends: [DVec2; 2],
+    sides: Sides,
+}
+
+/// The way of a plane along the ray of a point on it.
+#[derive(Clone, Copy, PartialEq)]
+enum Way {
+    /// The ray comes from the removed side.
+    Entered,
+    Left,
+    EdgeOn,
+}
+
+struct Scene<'a> {
+    solids: &'a Solids,
+    cells: Cells,
+    window: [DVec2; 2],
 }
 
 impl Scene<'_> {
-    /// The nearest ball at a place but for two, with its depth; among balls that are nearer than `near` also one that its ray only touches.
-    fn nearest(&self, place: DVec2, but: [u32; 2], near: f64) -> Option<(f64, u32)> {
-        let others = self.cells.at(place).iter().filter(|n| !but.contains(n));
-        let depth = |n: &u32| Some((self.balls[*n as usize].depth_within(self.projection, place, near)?, *n));
-        others.filter_map(depth).min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))
+    fn way(&self, plane: u32, x: DVec3) -> Way {
+        let cut = &self.solids.cuts[plane as usize];
+        match cut.plane.normal.dot(self.solids.projection.way(x)) {
+            _ if cut.is_edge_on => Way::EdgeOn,
+            slope if slope < 0.0 => Way::Entered,
+            _ => Way::Left,
+        }
     }
 
-    /// The balls on the left and on the right of a piece, whichever way the second axis of the image goes; `None` where it bounds nothing.
-    fn sides(&self, curve: &Curve, piece: &Piece) -> Option<[Option<u32>; 2]> {
-        let angle = 0.5 * (piece.from + piece.to);
-        let x = curve.circle.point(angle);
-        let (place, own) = (self.projection.place(x), -x.z);
-        let [a, b] = curve.of.map(|n| &self.balls[n as usize]);
-        if !curve.is_outline() && ![a, b].iter().all(|ball| ball.faces(self.projection, x)) {
+    /// Whether a plane that is seen from its side keeps what is toward a direction of the image.
+    fn is_kept_toward(&self, plane: u32, toward: DVec2) -> bool {
+        let moved = (toward / self.solids.projection.scale).extend(0.0);
+        self.solids.cuts[plane as usize].plane.normal.dot(moved) < 0.0
+    }
+
+    /// Two surfaces on the left and the right of a piece.
+    fn sorted(is_left: bool, one: Option<Surface>, other: Option<Surface>) -> Option<Sides> {
+        (one != other).then_some(if is_left { [one, other] } else { [other, one] })
+    }
+
+    /// What is on the sides of a piece; `None` where it bounds nothing.
+    fn sides(&self, curve: &Curve, piece: &Piece) -> Option<Sides> {
+        let Self { solids, cells, window: [low, high] } = self;
+        let projection = &solids.projection;
+        let at = 0.5 * (piece.from + piece.to);
+        let x = curve.shape.point(at);
+        let (place, own) = (projection.place(x), -x.z);
+        let left = curve.shape.tangent(projection, at).perp();
+        let is_left = |of: DVec2| (of - place).dot(left) > 0.0;
+        let ball = |n: u32| &solids.balls[n as usize];
+        if curve.kind == Kind::Edge {
+            let seen = solids.nearest(cells, place, Question::default())?.1;
+            return Self::sorted(is_left(0.5 * (*low + *high)), Some(seen), None);
+        }
+        if place.cmplt(*low).any() || place.cmpgt(*high).any() {
             return None;
         }
-        let other = self.nearest(place, curve.of, own);
-        if other.is_some_and(|(depth, _)| depth < own) {
-            return None;
-        }
-        let left = curve.circle.tangent(self.projection, angle).perp();
-        let (one, two) = if curve.is_outline() {
-            // The ball lies on the side of its centre.
-            let inward = self.projection.place(a.center) - place;
-            (inward.dot(left) > 0.0, other.map(|(_, n)| n))
-        } else {
-            let rise = |ball: &Ball| ball.rise(self.projection, x, left / self.projection.scale);
-            (rise(a) < rise(b), Some(curve.of[1]))
+        let is_there = |n: u32| !solids.is_cut[n as usize] || solids.keep(x, [u32::MAX; 2]);
+        // What is seen there besides; `None` if it hides the curve.
+        let beyond = |question: Question| {
+            let other = solids.nearest(cells, place, Question { near: own, ..question });
+            (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
         };
-        Some(if one { [Some(curve.of[0]), two] } else { [two, Some(curve.of[0])] })
-    }
-}
-
-/// The pairs of balls that share a cell, the lower one first.
-fn pairs(cells: &Cells) -> Vec<[u32; 2]> {
-    let mut all = Vec::new();
-    for balls in cells.all() {
-        for (k, a) in balls.iter().enumerate() {
-            all.extend(balls[k + 1..].iter().map(|b| [*a.min(b), *a.max(b)]));
+        match curve.kind {
+            Kind::Edge => None,
+            Kind::Outline(n) => {
+                if !is_there(n) {
+                    return None;
+                }
+                let other = beyond(Question { but: [n; 2], ..Question::default() })?;
+                Self::sorted(is_left(projection.place(ball(n).center)), Some(Surface::of(n)), other)
+            }
+            Kind::Crossing(of) => {
+                if !of.iter().all(|n| ball(*n).faces(projection, x) && is_there(*n)) {
+                    return None;
+                }
+                beyond(Question { but: of, ..Question::default() })?;
+                let rise = |n: u32| -projection.shift(x - ball(n).center, x, left / projection.scale).z;
+                Self::sorted(rise(of[0]) < rise(of[1]), Some(Surface::of(of[0])), Some(Surface::of(of[1])))
+            }
+            Kind::Rim { ball: n, plane } => self.sides_of_rim(curve, [n, plane], x, left),
+            Kind::Ridge(planes) => self.sides_of_ridge(planes, x, left),
         }
     }
-    all.sort_unstable();
-    all.dedup();
-    all
+
+    fn sides_of_rim(&self, curve: &Curve, [n, plane]: [u32; 2], x: DVec3, left: DVec2) -> Option<Sides> {
+        let Self { solids, cells, .. } = self;
+        let projection = &solids.projection;
+        let (place, own) = (projection.place(x), -x.z);
+        let (is_cut, is_entry) = (solids.is_cut[n as usize], solids.balls[n as usize].faces(projection, x));
+        if !solids.keep(x, [plane; 2]) {
+            return None;
+        }
+        let nearest = |but: u32, on_edge: Option<(u32, bool)>| {
+            let but = [but; 2];
+            let question = Question { but, near: own, without: [plane; 2], on_edge };
+            let other = solids.nearest(cells, place, question);
+            (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
+        };
+        match self.way(plane, x) {
+            Way::EdgeOn if is_cut && is_entry => {
+                nearest(n, Some((plane, true)))?;
+                let other = nearest(n, Some((plane, false)))?;
+                Self::sorted(self.is_kept_toward(plane, left), Some(Surface::of(n)), other)
+            }
+            Way::Left if is_cut && is_entry => {
+                let other = nearest(n, None)?;
+                let normal = x - solids.balls[n as usize].center;
+                let moved = projection.shift(normal, x, left / projection.scale);
+                let is_left = solids.cuts[plane as usize].plane.normal.dot(moved) < 0.0;
+                Self::sorted(is_left, Some(Surface::of(n)), other)
+            }
+            Way::Entered => {
+                let other = nearest(n, None)?;
+                let owner = solids.owner(cells, x, n);
+                let face = |sphere: u32| Some(Surface { sphere, face: Some(plane) });
+                let Shape::Circle(circle) = curve.shape else { return None };
+                let is_left = (projection.place(circle.center) - place).dot(left) > 0.0;
+                if is_cut {
+                    if owner.is_some_and(|owner| solids.is_before(owner, n)) {
+                        return None;
+                    }
+                    let outside = if is_entry { Some(Surface::of(n)) } else { other };
+                    return Self::sorted(is_left, face(n), owner.map_or(outside, face));
+                }
+                // A whole ball comes out of a face.
+                let owner = owner.filter(|_| is_entry)?;
+                Self::sorted(is_left, Some(Surface::of(n)), face(owner))
+            }
+            _ => None,
+        }
+    }
+
+    fn sides_of_ridge(&self, planes: [u32; 2], x: DVec3, left: DVec2) -> Option<Sides> {
+        let Self { solids, cells, .. } = self;
+        let projection = &solids.projection;
+        if !solids.keep(x, planes) {
+            return None;
+        }
+        let owner = solids.owner(cells, x, u32::MAX)?;
+        let (place, own) = (projection.place(x), -x.z);
+        let beyond = |on_edge: Option<(u32, bool)>| {
+            let question = Question { near: own, without: planes, on_edge, ..Question::default() };
+            let other = solids.nearest(cells, place, question);
+            (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
+        };
+        let other = beyond(None)?;
+        let ways = planes.map(|plane| self.way(plane, x));
+        let side = |toward: DVec2| {
+            let rise = |n: usize| {
+                let normal = solids.cuts[planes[n] as usize].plane.normal;
+                -projection.shift(normal, x, toward / projection.scale).z
+            };
+            let face = |n: usize| Some(Surface { sphere: owner, face: Some(planes[n]) });
+            match ways {
+                [Way::Entered, Way::Entered] => face(usize::from(rise(1) > rise(0))),
+                [Way::Entered, Way::Left] => {
+                    if rise(0) < rise(1) {
+                        face(0)
+                    } else {
+                        other
+                    }
+                }
+                [Way::Left, Way::Entered] => {
+                    if rise(1) < rise(0) {
+                        face(1)
+                    } else {
+                        other
+                    }
+                }
+                [Way::Entered, Way::EdgeOn] if self.is_kept_toward(planes[1], toward) => face(0),
+                [Way::EdgeOn, Way::Entered] if self.is_kept_toward(planes[0], toward) => face(1),
+                [Way::Entered, Way::EdgeOn] => beyond(Some((planes[1], false))).flatten(),
+                [Way::EdgeOn, Way::Entered] => beyond(Some((planes[0], false))).flatten(),
+                _ => other,
+            }
+        };
+        let [one, two] = [side(left), side(-left)];
+        (one != two).then_some([one, two])
+    }
 }
 
 /// Places that are one within [`SAME`].
@@ -133,100 +250,49 @@ impl Places {
 }
 
 impl Regions {
-    /// The visible parts of balls in an image of this size; balls that are not in front of the eye are left out.
-    pub(super) fn of(balls: &[Ball], projection: &Projection, size: DVec2) -> Self {
-        let scene = Scene { balls, projection, cells: Cells::new(balls, projection, size) };
-        let pairs = pairs(&scene.cells);
-        let mut neighbors: Vec<Vec<u32>> = vec![Vec::new(); balls.len()];
-        for [a, b] in &pairs {
-            neighbors[*a as usize].push(*b);
-            neighbors[*b as usize].push(*a);
-        }
-        let mut listed: Vec<u32> = scene.cells.all().flatten().copied().collect();
-        listed.sort_unstable();
-        listed.dedup();
-        let ball = |n: u32| &balls[n as usize];
-        let mut outline_of = vec![u32::MAX; balls.len()];
-        let mut curves: Vec<Curve> = Vec::new();
-        for &n in &listed {
-            outline_of[n as usize] = curves.len() as u32;
-            curves.push(Curve { circle: ball(n).contour(projection), of: [n; 2] });
-        }
-        let outlines = curves.len();
-        curves
-            .extend(pairs.iter().filter_map(|of| Some(Curve { circle: ball(of[0]).crossing(ball(of[1]))?, of: *of })));
-        let mut cuts: Vec<Vec<f64>> = vec![Vec::new(); curves.len()];
-        for [a, b] in &pairs {
-            let [one, other] = [a, b].map(|n| outline_of[*n as usize]);
-            let circle = curves[one as usize].circle;
-            for angle in circle.touching(ball(*b), projection) {
-                let touched = Circle::touched(ball(*b), circle.point(angle), projection);
-                cuts[one as usize].push(angle);
-                cuts[other as usize].push(curves[other as usize].circle.angle(touched));
-            }
-        }
-        for n in outlines..curves.len() {
-            let Curve { circle, of } = curves[n];
-            for k in of {
-                for angle in circle.through(&Plane::of_contour(ball(k), projection)) {
-                    cuts[n].push(angle);
-                    let outline = outline_of[k as usize] as usize;
-                    cuts[outline].push(curves[outline].circle.angle(circle.point(angle)));
+    /// The visible parts of solids within a window of the image. Surfaces of one key are one region.
+    pub(super) fn of(solids: &Solids, window: [DVec2; 2], key: impl Fn(Surface) -> Surface) -> Self {
+        let cells = Cells::new(solids, window);
+        let curves = Curves::new(solids, &cells, window);
+        let scene = Scene { solids, cells, window };
+        let edges = parallel::collect(curves.all.len(), 64, &|range, edges: &mut Vec<Edge>| {
+            for n in range {
+                let curve = &curves.all[n];
+                for [from, to] in curves.pieces(n as u32) {
+                    let piece = Piece { curve: n as u32, from, to };
+                    let Some(sides) = scene.sides(curve, &piece) else { continue };
+                    let ends = [from, to].map(|at| solids.projection.place(curve.shape.point(at)));
+                    edges.push(Edge { piece, ends, sides });
                 }
             }
-            let [a, b] = of.map(|k| &neighbors[k as usize]);
-            for &k in a.iter().filter(|k| !of.contains(k) && b.contains(k)) {
-                cuts[n].extend(circle.through(&Plane::between(ball(of[0]), ball(k))));
-                for angle in circle.touching(ball(k), projection) {
-                    cuts[n].push(angle);
-                    let touched = Circle::touched(ball(k), circle.point(angle), projection);
-                    let outline = outline_of[k as usize] as usize;
-                    cuts[outline].push(curves[outline].circle.angle(touched));
-                }
-            }
-        }
-        let (mut places, mut edges) = (Places::default(), Vec::new());
-        for (n, curve) in (0..).zip(&curves) {
-            let angles = &mut cuts[n as usize];
-            angles.sort_by(f64::total_cmp);
-            if angles.is_empty() {
-                angles.push(0.0);
-            }
-            let count = angles.len();
-            for (k, from) in angles.iter().enumerate() {
-                let to = if k + 1 < count { angles[k + 1] } else { angles[0] + TAU };
-                let piece = Piece { curve: n, from: *from, to };
-                if to - from < 1e-13 {
-                    continue;
-                }
-                let Some(sides) = scene.sides(curve, &piece) else { continue };
-                let ends = [*from, to].map(|angle| places.number(projection.place(curve.circle.point(angle))));
-                if ends[0] == ends[1] && to - from < 1.0 {
-                    continue;
-                }
-                edges.push(Edge { piece, ends, sides });
-            }
-        }
-        let (regions, joined) = lines(&edges);
-        Self { curves, regions, joined }
+        });
+        let (regions, joined) = lines(&edges, &curves.all, key);
+        Self { curves: curves.all, regions, joined }
     }
 }
 
-/// The closed lines of each ball.
-fn lines(edges: &[Edge]) -> (Vec<Region>, usize) {
-    let mut own: HashMap<u32, Vec<(Piece, [u32; 2])>> = HashMap::new();
-    for Edge { piece, ends: [a, b], sides } in edges {
+/// The closed lines of each region.
+fn lines(edges: &[Edge], curves: &[Curve], key: impl Fn(Surface) -> Surface) -> (Vec<Region>, usize) {
+    let mut own: HashMap<Surface, Vec<(Piece, [u32; 2])>> = HashMap::new();
+    let mut places = Places::default();
+    for Edge { piece, ends, sides } in edges {
+        let sides = sides.map(|side| side.map(&key));
+        let [a, b] = ends.map(|end| places.number(end));
+        let is_point = a == b && (piece.to - piece.from < 1.0 || matches!(shape(curves, piece), Shape::Line(_)));
+        if sides[0] == sides[1] || is_point {
+            continue;
+        }
         if let Some(left) = sides[0] {
-            own.entry(left).or_default().push((*piece, [*a, *b]));
+            own.entry(left).or_default().push((*piece, [a, b]));
         }
         if let Some(right) = sides[1] {
-            own.entry(right).or_default().push((Piece { from: piece.to, to: piece.from, ..*piece }, [*b, *a]));
+            own.entry(right).or_default().push((Piece { from: piece.to, to: piece.from, ..*piece }, [b, a]));
         }
     }
     let (mut regions, mut joined) = (Vec::new(), 0);
     let mut all: Vec<_> = own.into_iter().collect();
-    all.sort_unstable_by_key(|(ball, _)| *ball);
-    for (ball, pieces) in all {
+    all.sort_unstable_by_key(|(surface, _)| *surface);
+    for (surface, pieces) in all {
         let mut from: HashMap<u32, Vec<usize>> = HashMap::new();
         pieces.iter().enumerate().for_each(|(n, (_, [a, _]))| from.entry(*a).or_default().push(n));
         let (mut is_taken, mut lines) = (vec![false; pieces.len()], Vec::new());
@@ -254,18 +320,25 @@ fn lines(edges: &[Edge]) -> (Vec<Region>, usize) {
                     }
                 }
             }
-            lines.push(merged(line));
+            lines.push(merged(line, curves));
         }
-        regions.push(Region { sphere: ball, lines });
+        regions.push(Region { surface, lines });
     }
     (regions, joined)
 }
 
+fn shape<'a>(curves: &'a [Curve], piece: &Piece) -> &'a Shape {
+    &curves[piece.curve as usize].shape
+}
+
 /// A closed line, in which pieces of a curve that follow each other are one.
-fn merged(line: Vec<Piece>) -> Vec<Piece> {
+fn merged(line: Vec<Piece>, curves: &[Curve]) -> Vec<Piece> {
     let follows = |a: &Piece, b: &Piece| {
-        let gap = (a.to - b.from).rem_euclid(TAU);
-        a.curve == b.curve && (a.to > a.from) == (b.to > b.from) && gap.min(TAU - gap) < 1e-9
+        let gap = match shape(curves, a) {
+            Shape::Circle(_) => (a.to - b.from).rem_euclid(TAU),
+            Shape::Line(_) => (a.to - b.from).abs(),
+        };
+        a.curve == b.curve && (a.to > a.from) == (b.to > b.from) && gap.min((TAU - gap).abs()) < 1e-9
     };
     let mut all: Vec<Piece> = Vec::new();
     for piece in line {
@@ -279,4 +352,18 @@ fn merged(line: Vec<Piece>) -> Vec<Piece> {
         all[0].from -= last.to - last.from;
     }
     all
+}
+
+impl Region {
+    /// The corners of the box around the ends and the middles of its pieces.
+    pub(super) fn bounds(&self, curves: &[Curve], projection: &Projection) -> [DVec2; 2] {
+        let pieces = self.lines.iter().flatten();
+        let places = pieces.flat_map(|piece| {
+            [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| {
+                let at = piece.from + share * (piece.to - piece.from);
+                projection.place(shape(curves, piece).point(at))
+            })
+        });
+        places.fold([DVec2::INFINITY, DVec2::NEG_INFINITY], |[low, high], place| [low.min(place), high.max(place)])
+    }
 }

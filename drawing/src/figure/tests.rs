@@ -3,8 +3,9 @@
 
 use super::*;
 use halfline::camera::{Camera, Look};
+use halfline::frame::Aov;
 use halfline::render::Renderer;
-use halfline::scene::{ImagePlane, Lighting, Spheres};
+use halfline::scene::{CutPlane, ImagePlane, Lighting, Spheres};
 use halfline::settings::{Accuracy, Backend, Settings};
 use std::f64::consts::TAU;
 
@@ -169,59 +170,141 @@ fn hard(case: u64, at: [f64; 3]) -> (&'static str, Spheres) {
     (name, spheres)
 }
 
-#[test]
-fn figures_show_what_frames_show() {
-    let vfov = |degrees| Lens::Vfov { degrees, distance: 1.0 };
-    let settings =
-        Settings { backend: Backend::Cpu, accuracy: Accuracy::Certified, aovs: Vec::new(), ..Settings::default() };
-    let mut renderer = Renderer::new(&settings).expect("the CPU path");
-    let (mut centers, mut close, mut wrong, mut joined) = (0, 0, Vec::new(), 0);
-    for case in 0..24_u64 {
-        for at in [[0.0; 3], [1e6, -3e5, 2e5]] {
-            for lens in [
-                vfov(40.0),
-                Lens::Orthographic { height: 5.0 },
-                Lens::Intrinsics { fx: 90.0, fy: 120.0, cx: 30.0, cy: 50.5 },
-            ] {
-                let (name, spheres) = hard(case, at);
-                let scene = scene(spheres, at, lens);
-                let figure = Figure::new(&scene).expect("a figure");
-                joined += figure.joined();
-                let frame = renderer.render(&scene, &settings).expect("a frame");
-                let paths: Vec<_> =
-                    figure.regions().iter().map(|region| (region.sphere as i32, lines(&figure.path(region)))).collect();
-                for (n, id) in frame.ids().iter().enumerate() {
-                    let place = [(n % 96) as f64 + 0.5, (n / 96) as f64 + 0.5];
-                    let at = |place: [f64; 2]| {
-                        paths.iter().filter(|(_, lines)| is_inside(lines, place)).map(|(id, _)| *id).collect::<Vec<_>>()
-                    };
-                    let found = at(place);
-                    let expected = if *id < 0 { vec![] } else { vec![*id] };
-                    centers += 1;
-                    if found == expected {
-                        continue;
-                    }
-                    let around = [[NEAR, 0.0], [-NEAR, 0.0], [0.0, NEAR], [0.0, -NEAR]];
-                    let is_close = around.iter().any(|[x, y]| at([place[0] + x, place[1] + y]) != found);
-                    close += u32::from(is_close);
-                    if !is_close {
-                        wrong.push(format!(
-                            "{name} {case}, {at:?}, {lens:?}: {place:?} is in {found:?}, and shows {id}",
-                            at = scene.camera.eye
-                        ));
-                    }
-                }
-            }
+/// Planes of hard cases around a point, and the spheres that they cut.
+fn cut(case: u64, at: [f64; 3], spheres: &mut Spheres) -> &'static str {
+    let (mut rng, at) = (Rng(case + 77), DVec3::from_array(at));
+    let mut any = || DVec3::from_array([0; 3].map(|_| rng.between(-1.0, 1.0)));
+    let plane = |normal: DVec3, by: f64| CutPlane { normal: normal.into(), distance: normal.dot(at) + by };
+    let (z, x) = (DVec3::Z, DVec3::X);
+    let (name, planes) = match case % 7 {
+        0 => ("toward the eye", vec![plane(z, 0.1)]),
+        1 => ("oblique", vec![plane(any(), 0.05)]),
+        2 => ("a slab", vec![plane(z + 0.3 * x, 0.4), plane(-z - 0.3 * x, 0.2)]),
+        3 => ("crossing", vec![plane(any(), 0.1), plane(any(), 0.1)]),
+        4 => ("along the view", vec![plane(x, 0.1)]),
+        5 => ("along the view, and toward the eye", vec![plane(x, 0.1), plane(z, 0.2), plane(DVec3::Y, 0.3)]),
+        _ => ("three, and whole spheres", vec![plane(any(), 0.1), plane(any(), 0.2), plane(any(), 0.3)]),
+    };
+    let may: Vec<bool> = (0..spheres.len()).map(|n| n % 5 != 0).collect();
+    spheres.cut(&planes, (case % 7 == 6).then_some(&may[..])).expect("planes");
+    name
+}
+
+/// Counts of places.
+#[derive(Debug, Default)]
+struct Count {
+    places: u32,
+    close: u32,
+    joined: usize,
+    faces: usize,
+    wrong: Vec<String>,
+}
+
+/// Compares the figure of a scene with its frame, at the centre of every pixel: the path that holds it is that of the sphere of the pixel,
+/// and of a face where the normal is that of the plane.
+fn compare(name: &str, scene: &Scene, renderer: &mut Renderer, settings: &Settings, count: &mut Count) {
+    let style = FigureStyle { detail: 0.0, ..FigureStyle::default() };
+    let figure = Figure::new(scene, style, None).expect("a figure");
+    count.joined += figure.counts().joined;
+    let frame = renderer.render(scene, settings).expect("a frame");
+    let normals = frame.f32(Aov::Normal).expect("normals");
+    let planes = scene.spheres.cuts.as_ref().map_or(&[][..], |cuts| &cuts.planes);
+    let paths: Vec<_> = figure.paths().map(|(surface, path)| (surface, lines(&path))).collect();
+    let width = scene.image.width as usize;
+    let of = |id: u32| (scene.spheres.centers[id as usize], scene.spheres.radii[id as usize]);
+    for (n, id) in frame.ids().iter().enumerate() {
+        let place = [(n % width) as f64 + 0.5, (n / width) as f64 + 0.5];
+        let at = |place: [f64; 2]| {
+            paths.iter().filter(|(_, lines)| is_inside(lines, place)).map(|(of, _)| *of).collect::<Vec<_>>()
+        };
+        let is_face = |face: u32| {
+            let normal = DVec3::from_array(planes[face as usize].normal).normalize();
+            // Normals are rounded to f32.
+            normal.distance(DVec3::from_array([0, 1, 2].map(|k| f64::from(normals[3 * n + k])))) < 1e-5
+        };
+        let found = at(place);
+        let is_right = match &found[..] {
+            [] => *id < 0,
+            // Of equal spheres a figure shows one.
+            [Surface { sphere, face }] => *id >= 0 && of(*sphere) == of(*id as u32) && face.is_none_or(is_face),
+            _ => false,
+        };
+        count.places += 1;
+        count.faces += found.iter().filter(|surface| surface.face.is_some()).count();
+        if is_right {
+            continue;
+        }
+        let around = [[NEAR, 0.0], [-NEAR, 0.0], [0.0, NEAR], [0.0, -NEAR]];
+        let is_close = around.iter().any(|[x, y]| at([place[0] + x, place[1] + y]) != found);
+        count.close += u32::from(is_close);
+        if !is_close {
+            count.wrong.push(format!("{name}, {:?}: {place:?} is in {found:?}, and shows {id}", scene.camera.lens));
         }
     }
-    println!("{centers} centres, {close} within {NEAR} of a line, {} wrong, {joined} lines joined", wrong.len());
+}
+
+fn check(count: &Count) {
+    let Count { places, close, joined, faces, wrong } = count;
+    println!(
+        "{places} centres, {faces} on faces, {close} within {NEAR} of a line, {} wrong, {joined} lines joined",
+        wrong.len()
+    );
     assert!(
-        wrong.is_empty() && joined == 0,
+        wrong.is_empty() && *joined == 0,
         "{} wrong: {:#?}, {joined} joined",
         wrong.len(),
         &wrong[..wrong.len().min(8)]
     );
-    assert!(close < centers / 1000, "{close} of {centers}");
+    assert!(*close < places / 1000, "{close} of {places}");
+}
+
+/// A renderer of ids and normals, certified on the CPU path.
+fn renderer() -> (Renderer, Settings) {
+    let aovs = vec![Aov::Normal];
+    let settings = Settings { backend: Backend::Cpu, accuracy: Accuracy::Certified, aovs, ..Settings::default() };
+    (Renderer::new(&settings).expect("the CPU path"), settings)
+}
+
+/// Lenses, of which the last shows a part of a scene.
+fn lenses() -> [Lens; 4] {
+    [
+        Lens::Vfov { degrees: 40.0, distance: 1.0 },
+        Lens::Orthographic { height: 5.0 },
+        Lens::Intrinsics { fx: 90.0, fy: 120.0, cx: 30.0, cy: 50.5 },
+        Lens::Vfov { degrees: 9.0, distance: 1.0 },
+    ]
+}
+
+#[test]
+fn figures_show_what_frames_show() {
+    let ((mut renderer, settings), mut count) = (renderer(), Count::default());
+    for case in 0..24_u64 {
+        for at in [[0.0; 3], [1e6, -3e5, 2e5]] {
+            for lens in lenses() {
+                let (name, spheres) = hard(case, at);
+                let name = format!("{name} {case}, {at:?}");
+                compare(&name, &scene(spheres, at, lens), &mut renderer, &settings, &mut count);
+            }
+        }
+    }
+    check(&count);
+}
+
+#[test]
+fn figures_of_cut_spheres_show_what_frames_show() {
+    let ((mut renderer, settings), mut count) = (renderer(), Count::default());
+    for case in 0..84_u64 {
+        for lens in lenses() {
+            let at = if case % 2 == 0 { [0.0; 3] } else { [1e6, -3e5, 2e5] };
+            // The lattices touch in planes of these.
+            let (name, mut spheres) = hard(case / 7, at);
+            let planes = cut(case, at, &mut spheres);
+            let name = format!("{name} {case}, {at:?}, {planes}");
+            compare(&name, &scene(spheres, at, lens), &mut renderer, &settings, &mut count);
+        }
+    }
+    assert!(count.faces > 10_000, "{} on faces", count.faces);
+    check(&count);
 }
 
 #[test]
@@ -229,6 +312,8 @@ fn what_has_no_ellipses_is_refused() {
     let (_, spheres) = hard(0, [0.0; 3]);
     let mut inside = scene(spheres, [0.0; 3], Lens::Vfov { degrees: 40.0, distance: 1.0 });
     inside.camera.eye = inside.spheres.centers[0].into();
-    let words = |scene: &Scene| Figure::new(scene).err().map(|error| error.to_string()).unwrap_or_default();
+    let words = |scene: &Scene| {
+        Figure::new(scene, FigureStyle::default(), None).err().map(|error| error.to_string()).unwrap_or_default()
+    };
     assert!(words(&inside).contains("across the plane of the eye"), "{}", words(&inside));
 }

@@ -1,7 +1,7 @@
 //! Lines from the things of a picture to their marks.
 
-use super::page::{INK, PAPER, Page, Panel, paint};
-use tiny_skia::{FillRule, LineCap, PathBuilder, Pixmap, Stroke, Transform};
+use super::page::{INK, PAPER, Page, Panel};
+use super::sheet::{Shape, Sheet};
 
 /// A line between the middles of two pixels, columns and rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,19 +53,13 @@ impl Page {
         let sides = [self.width, self.height].map(|side| side as i64);
         let low = [0, 1].map(|k| (line.from[k].min(line.to[k]) - edge).max(0));
         let high = [0, 1].map(|k| (line.from[k].max(line.to[k]) + edge + 1).min(sides[k]));
-        let mut pixels = Pixmap::new(u32::try_from(high[0] - low[0]).ok()?, u32::try_from(high[1] - low[1]).ok()?)?;
+        let mut sheet = Sheet::new([0, 1].map(|k| (high[k] - low[k]).max(0) as f32), false)?;
         let middle = |at: [i64; 2]| [0, 1].map(|k| (at[k] - low[k]) as f32 + 0.5);
-        let ([x0, y0], [x1, y1]) = (middle(line.from), middle(line.to));
-        let mut path = PathBuilder::new();
-        path.move_to(x0, y0);
-        path.line_to(x1, y1);
-        let path = path.finish()?;
-        for (ink, more) in [(halo_ink, halo), (ink, 0.0)] {
-            let stroke = Stroke { width: width + more, line_cap: LineCap::Round, ..Stroke::default() };
-            pixels.stroke_path(&path, &paint(ink), &stroke, Transform::identity(), None);
-            let circle = PathBuilder::from_circle(x0, y0, dot + more / 2.0)?;
-            pixels.fill_path(&circle, &paint(ink), FillRule::Winding, Transform::identity(), None);
+        let ends = [middle(line.from), middle(line.to)];
+        for (color, more) in [(halo_ink, halo), (ink, 0.0)] {
+            sheet.shapes.push(Shape::Line { ends, width: width + more, color });
+            sheet.shapes.push(Shape::Disc { at: ends[0], radius: dot + more / 2.0, color });
         }
-        Some((line, Panel { at: low.map(|x| x as usize), pixels }))
+        Some((line, Panel { at: low.map(|x| x as usize), sheet }))
     }
 }

@@ -79,11 +79,11 @@ impl Panels {
         let mut left_out = Vec::new();
         for (text, target) in targets {
             let shown = plain(text);
-            let placed = page.haloed(&shown, are_light).and_then(|pixels| {
-                let size = [pixels.width(), pixels.height()].map(i64::from);
+            let placed = page.haloed(&shown, are_light).and_then(|sheet| {
+                let size = [sheet.width(), sheet.height()].map(i64::from);
                 let place = self.place(&page, visible, target, size)?;
                 self.lines.extend(place.line.and_then(|line| page.line_to(line, are_light)));
-                Some(Panel { at: place.at.map(|x| x as usize), pixels })
+                Some(Panel { at: place.at.map(|x| x as usize), sheet })
             });
             match placed {
                 Some(panel) => {
@@ -198,7 +198,7 @@ mod tests {
         assert_eq!(panels.mark([400, 300], false, &visible, &targets(&things, &visible)), [""; 0]);
         let [on, other] = &panels.panels[..] else { panic!("two marks") };
         let middle = |panel: &Panel| {
-            [panel.at[0] + panel.pixels.width() as usize / 2, panel.at[1] + panel.pixels.height() as usize / 2]
+            [panel.at[0] + panel.sheet.width() as usize / 2, panel.at[1] + panel.sheet.height() as usize / 2]
         };
         assert!(middle(on)[0].abs_diff(200) <= 1 && middle(on)[1].abs_diff(150) <= 1, "{:?}", middle(on));
         assert_eq!(other.at[0], 324);
@@ -213,8 +213,8 @@ mod tests {
         let things = each(2);
         let visible = VisibleThings::new(SIZE, &things, &[discs(SIZE, &[([200, 150], 6), ([225, 166], 6)])]);
         assert_eq!(panels.mark([400, 300], false, &visible, &targets(&things, &visible)[..1]), [""; 0]);
-        let Panel { at: [_, top], pixels } = &panels.panels[0];
-        let bottom = top + pixels.height() as usize;
+        let Panel { at: [_, top], sheet } = &panels.panels[0];
+        let bottom = top + sheet.height() as usize;
         assert!(
             panels.lines.is_empty() && bottom + 4 < 160,
             "the text ends at {bottom}, the other thing begins at 160"
@@ -273,8 +273,8 @@ mod tests {
                     left_out += 1;
                     continue;
                 }
-                let Panel { at: [left, top], pixels } = &panels.panels[before[0]];
-                let [right, bottom] = [left + pixels.width() as usize, top + pixels.height() as usize];
+                let Panel { at: [left, top], sheet } = &panels.panels[before[0]];
+                let [right, bottom] = [left + sheet.width() as usize, top + sheet.height() as usize];
                 assert!(right <= 320 && bottom <= 240, "{number} {text}");
                 let is_own = |at: [usize; 2]| named(at) == Some(n);
                 let inside = (*top..bottom).flat_map(|y| (*left..right).map(move |x| [x, y]));

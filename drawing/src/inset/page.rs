@@ -1,12 +1,12 @@
 //! The panels of a picture: their sizes and what is drawn on them.
 
+use super::sheet::{Halo, Shape, Sheet};
 use crate::canvas::{plain, shortened};
 use crate::raster::{letters, letters_width};
 use halfline::error::{Error, Result};
 use halfline::frame::legend::{Category, Legend, Tick};
 use halfline::quote::setting::SIZE;
 use std::fmt::Write;
-use tiny_skia::{Color, FillRule, LineJoin, Paint, Path, Pixmap, Rect, Stroke, Transform};
 
 /// The longest label of a category, in letters, as in the legend's own file.
 const LETTERS: usize = 41;
@@ -16,8 +16,6 @@ const LETTERS: usize = 41;
 const SHARE: f32 = 1.0 / 32.0;
 const LEAST: f32 = 9.0;
 
-/// Opacity of a panel: text on it has a contrast of at least 9 on black, where it is grey, by the formula of WCAG 2.
-const OPACITY: f32 = 0.8;
 pub(super) const INK: [u8; 3] = [0x16, 0x16, 0x16];
 pub(super) const PAPER: [u8; 3] = [0xff; 3];
 const LINE: [u8; 3] = [0x80, 0x80, 0x80];
@@ -26,7 +24,7 @@ const LINE: [u8; 3] = [0x80, 0x80, 0x80];
 #[derive(Debug, Clone)]
 pub(super) struct Panel {
     pub(super) at: [usize; 2],
-    pub(super) pixels: Pixmap,
+    pub(super) sheet: Sheet,
 }
 
 /// The picture that panels are for; lengths are pixels.
@@ -51,14 +49,12 @@ impl Page {
     }
 
     /// An empty panel for content of this size.
-    fn panel(&self, width: f32, height: f32, what: &str) -> Result<Pixmap> {
+    fn panel(&self, width: f32, height: f32, what: &str) -> Result<Sheet> {
         let [width, height] = [width, height].map(|side| (side + 2.0 * self.margin).ceil());
         if width > self.width - 2.0 * self.margin || height > self.height - 2.0 * self.margin {
             return Err(self.too_small(what));
         }
-        let mut pixels = Pixmap::new(width as u32, height as u32).ok_or_else(|| self.too_small(what))?;
-        pixels.fill(Color::from_rgba(1.0, 1.0, 1.0, OPACITY).unwrap_or(Color::WHITE));
-        Ok(pixels)
+        Sheet::new([width, height], true).ok_or_else(|| self.too_small(what))
     }
 
     /// As much of the text as fits.
@@ -72,18 +68,18 @@ impl Page {
         cut
     }
 
-    pub(super) fn label(&self, label: &str, free: f32) -> Result<Pixmap> {
+    pub(super) fn label(&self, label: &str, free: f32) -> Result<Sheet> {
         let text = self.fitting(label, false, free - 2.0 * self.margin);
         if letters_width(&text, false, self.size) > free - 2.0 * self.margin {
             return Err(self.too_small("the label"));
         }
-        let mut pixels = self.panel(letters_width(&text, false, self.size), self.size, "the label")?;
-        self.write(&mut pixels, &text, false, [self.margin, self.margin]);
-        Ok(pixels)
+        let mut sheet = self.panel(letters_width(&text, false, self.size), self.size, "the label")?;
+        self.write(&mut sheet, &text, false, [self.margin, self.margin]);
+        Ok(sheet)
     }
 
     /// A bar of the longest round length within a quarter of the picture, and its label.
-    pub(super) fn scale_bar(&self, per_pixel: f64, unit: &str, free: f32) -> Result<(Pixmap, String)> {
+    pub(super) fn scale_bar(&self, per_pixel: f64, unit: &str, free: f32) -> Result<(Sheet, String)> {
         let longest = per_pixel * f64::from((0.25 * self.width).min(free - 2.0 * self.margin));
         let length = round_length(longest).ok_or_else(|| self.too_small("the scale bar"))?;
         let long = (length / per_pixel) as f32;
@@ -96,17 +92,17 @@ impl Page {
             return Err(self.too_small("the scale bar"));
         }
         let (wide, thick) = (long.max(letters_width(&text, false, self.size)), (0.25 * self.size).max(2.0).round());
-        let mut pixels = self.panel(wide, self.size + self.margin / 2.0 + thick, "the scale bar")?;
+        let mut sheet = self.panel(wide, self.size + self.margin / 2.0 + thick, "the scale bar")?;
         let middle = self.margin + (wide - letters_width(&text, false, self.size)) / 2.0;
-        self.write(&mut pixels, &text, false, [middle, self.margin]);
+        self.write(&mut sheet, &text, false, [middle, self.margin]);
         let (left, top) = (self.margin + (wide - long) / 2.0, (self.margin * 1.5 + self.size).round());
-        fill(&mut pixels, [left, top, left + long, top + thick], INK);
-        Ok((pixels, text))
+        fill(&mut sheet, [left, top, left + long, top + thick], INK);
+        Ok((sheet, text))
     }
 
     /// The legend in a column, its title, and what it shows besides: a bar with the largest number at the top, a swatch for
     /// each category and each selection with a colour of its own.
-    pub(super) fn legend(&self, legend: &Legend) -> Result<(Pixmap, [String; 2])> {
+    pub(super) fn legend(&self, legend: &Legend) -> Result<(Sheet, [String; 2])> {
         let (size, margin) = (self.size, self.margin);
         let widest = 0.4 * self.width;
         let title = self.fitting(&plain(&legend.heading()), true, widest);
@@ -141,8 +137,8 @@ impl Page {
         if (bar && long < 5.0 * size) || (!swatches.is_empty() && rows == 0) {
             return Err(self.too_small("the legend"));
         }
-        let mut pixels = self.panel(wide, below + bar_high + row * rows as f32, "the legend")?;
-        self.write(&mut pixels, &title, true, [margin, margin]);
+        let mut sheet = self.panel(wide, below + bar_high + row * rows as f32, "the legend")?;
+        self.write(&mut sheet, &title, true, [margin, margin]);
         let top = margin + below;
         if bar {
             words += &format!(", {:?}, range {:?}", legend.map, legend.range);
@@ -151,68 +147,58 @@ impl Page {
             for strip in 0..strips {
                 let color = legend.map.srgb(1.0 - f64::from(strip) / f64::from(strips - 1));
                 let y = first + strip as f32;
-                fill(&mut pixels, [margin, y, right, y + 1.0], color);
+                fill(&mut sheet, [margin, y, right, y + 1.0], color);
             }
             for Tick { place, label } in &ticks {
                 let y = first + (long - 1.0) * (1.0 - *place as f32);
                 fill(
-                    &mut pixels,
+                    &mut sheet,
                     [right, y.round(), right + margin / 2.0, y.round() + (size / 14.0).max(1.0).round()],
                     INK,
                 );
-                self.write(&mut pixels, label, false, [margin + indent, y - size / 2.0]);
+                self.write(&mut sheet, label, false, [margin + indent, y - size / 2.0]);
             }
         }
         let (top, side) = (top + bar_high, size.round());
         for (n, (label, swatch)) in labels.iter().zip(&swatches).enumerate() {
             let _ = write!(words, " {:?}", swatch.color);
             let y = (top + row * n as f32 + (row - side) / 2.0).round();
-            fill(&mut pixels, [margin, y, margin + side, y + side], LINE);
-            fill(&mut pixels, [margin + 1.0, y + 1.0, margin + side - 1.0, y + side - 1.0], swatch.color);
-            self.write(&mut pixels, label, false, [margin + indent, y]);
+            fill(&mut sheet, [margin, y, margin + side, y + side], LINE);
+            fill(&mut sheet, [margin + 1.0, y + 1.0, margin + side - 1.0, y + side - 1.0], swatch.color);
+            self.write(&mut sheet, label, false, [margin + indent, y]);
         }
-        self.write(&mut pixels, &more, false, [margin, top + row * shown as f32 + (row - side) / 2.0]);
-        Ok((pixels, [title, words]))
+        self.write(&mut sheet, &more, false, [margin, top + row * shown as f32 + (row - side) / 2.0]);
+        Ok((sheet, [title, words]))
     }
 
     /// A line of text with a halo, light on dark or dark on light; `None` for blanks.
-    pub(super) fn haloed(&self, text: &str, is_light: bool) -> Option<Pixmap> {
+    pub(super) fn haloed(&self, text: &str, is_light: bool) -> Option<Sheet> {
         let (ink, halo_ink) = if is_light { (PAPER, INK) } else { (INK, PAPER) };
-        let halo = (0.22 * self.size).max(2.0);
-        let [wide, high] = [letters_width(text, false, self.size), self.size].map(|side| (side + 2.0 * halo).ceil());
-        let mut pixels = Pixmap::new(wide as u32, high as u32)?;
-        let path = self.line(text, false, [halo, halo])?;
-        let stroke = Stroke { width: halo, line_join: LineJoin::Round, ..Stroke::default() };
-        pixels.stroke_path(&path, &paint(halo_ink), &stroke, Transform::identity(), None);
-        pixels.fill_path(&path, &paint(ink), FillRule::Winding, Transform::identity(), None);
-        Some(pixels)
-    }
-
-    /// The letters of a line of text whose top left is at a point; `None` for blanks.
-    fn line(&self, text: &str, bold: bool, [left, top]: [f32; 2]) -> Option<Path> {
-        // The capitals of DejaVu Sans are 0.73 of its size high; a line is centred on them.
-        letters(text, bold, self.size, (left, top + 0.5 * (1.0 + 0.73) * self.size))
+        let margin = (0.22 * self.size).max(2.0);
+        let [wide, high] = [letters_width(text, false, self.size), self.size].map(|side| (side + 2.0 * margin).ceil());
+        // Blanks have no letters.
+        letters(text, false, self.size, (0.0, 0.0))?;
+        let mut sheet = Sheet::new([wide, high], false)?;
+        let halo = Some(Halo { width: margin, color: halo_ink });
+        self.add(&mut sheet, text, false, [margin; 2], ink, halo);
+        Some(sheet)
     }
 
     /// Writes a line of text whose top left is at a point.
-    fn write(&self, pixels: &mut Pixmap, text: &str, bold: bool, at: [f32; 2]) {
-        if let Some(path) = self.line(text, bold, at) {
-            pixels.fill_path(&path, &paint(INK), FillRule::Winding, Transform::identity(), None);
-        }
+    fn write(&self, sheet: &mut Sheet, text: &str, bold: bool, at: [f32; 2]) {
+        self.add(sheet, text, bold, at, INK, None);
+    }
+
+    fn add(&self, sheet: &mut Sheet, text: &str, bold: bool, at: [f32; 2], color: [u8; 3], halo: Option<Halo>) {
+        // The capitals of DejaVu Sans are 0.73 of its size high; a line is centred on them.
+        let at = [at[0], at[1] + 0.5 * (1.0 + 0.73) * self.size];
+        sheet.shapes.push(Shape::Text { text: text.to_owned(), bold, size: self.size, at, color, halo });
     }
 }
 
 /// Fills the rectangle from left, top to right, bottom.
-fn fill(pixels: &mut Pixmap, [left, top, right, bottom]: [f32; 4], color: [u8; 3]) {
-    if let Some(rect) = Rect::from_ltrb(left, top, right, bottom) {
-        pixels.fill_rect(rect, &paint(color), Transform::identity(), None);
-    }
-}
-
-pub(super) fn paint([red, green, blue]: [u8; 3]) -> Paint<'static> {
-    let mut paint = Paint::default();
-    paint.set_color_rgba8(red, green, blue, 255);
-    paint
+fn fill(sheet: &mut Sheet, corners: [f32; 4], color: [u8; 3]) {
+    sheet.shapes.push(Shape::Rectangle { corners, color });
 }
 
 /// The largest 1, 2 or 5 times a power of ten that is at most `longest`; `None` if that is not a positive finite number.

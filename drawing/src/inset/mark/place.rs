@@ -145,7 +145,7 @@ impl Panels {
         let inside = left >= 0 && top >= 0 && left + wide <= page.width as i64 && top + high <= page.height as i64;
         let is_apart = |panel: &Panel| {
             let [x, y] = panel.at.map(|x| x as i64);
-            let [w, h] = [panel.pixels.width(), panel.pixels.height()].map(i64::from);
+            let [w, h] = [panel.sheet.width(), panel.sheet.height()].map(i64::from);
             left >= x + w || x >= left + wide || top >= y + h || y >= top + high
         };
         let is_inside = |[x, y]: [i64; 2]| (left..left + wide).contains(&x) && (top..top + high).contains(&y);
@@ -156,7 +156,7 @@ impl Panels {
     fn is_clear(&self, line: Line) -> bool {
         let is_inside = |panel: &Panel, [x, y]: [i64; 2]| {
             let [left, top] = panel.at.map(|x| x as i64);
-            let [w, h] = [panel.pixels.width(), panel.pixels.height()].map(i64::from);
+            let [w, h] = [panel.sheet.width(), panel.sheet.height()].map(i64::from);
             (left..left + w).contains(&x) && (top..top + h).contains(&y)
         };
         !self.panels.iter().any(|panel| line.points().any(|at| is_inside(panel, at)))

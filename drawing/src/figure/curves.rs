@@ -1,0 +1,284 @@
+//! The curves along which what is seen may change, and the places at which they are cut: where they cross each other in the image.
+
+use super::cells::Cells;
+use super::circle::{Circle, Line, Plane, Projection};
+use super::solids::Solids;
+use glam::{DVec2, DVec3};
+use std::f64::consts::TAU;
+
+/// A circle or a straight line in space.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Shape {
+    Circle(Circle),
+    Line(Line),
+}
+
+impl Shape {
+    /// A point of it: at an angle, or at a distance.
+    pub(super) fn point(&self, at: f64) -> DVec3 {
+        match self {
+            Self::Circle(circle) => circle.point(at),
+            Self::Line(line) => line.from + at * line.along,
+        }
+    }
+
+    /// The direction in which its picture goes on.
+    pub(super) fn tangent(&self, projection: &Projection, at: f64) -> DVec2 {
+        match self {
+            Self::Circle(circle) => circle.tangent(projection, at),
+            Self::Line(line) => projection.velocity(self.point(at), line.along).normalize_or_zero(),
+        }
+    }
+
+    fn through(&self, plane: &Plane) -> Vec<f64> {
+        match self {
+            Self::Circle(circle) => circle.through(plane),
+            Self::Line(line) => vec![line.through(plane)].into_iter().filter(|at| at.is_finite()).collect(),
+        }
+    }
+}
+
+/// What a curve bounds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// The outline of a ball.
+    Outline(u32),
+    /// The circle in which the surfaces of two balls cross.
+    Crossing([u32; 2]),
+    /// The circle in which a plane cuts the surface of a ball.
+    Rim { ball: u32, plane: u32 },
+    /// The line in which two planes cross.
+    Ridge([u32; 2]),
+    /// An edge of the window.
+    Edge,
+}
+
+/// A curve.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Curve {
+    pub(super) shape: Shape,
+    pub(super) kind: Kind,
+}
+
+/// All curves of a scene, and the places at which each is cut.
+pub(super) struct Curves<'a> {
+    solids: &'a Solids,
+    pub(super) all: Vec<Curve>,
+    pub(super) cuts: Vec<Vec<f64>>,
+}
+
+/// The distance in the image from a point where two curves touch within which they are not cut again.
+const CLOSE: f64 = 1e-4;
+
+/// The pairs of balls that share a cell, the lower one first.
+fn pairs(cells: &Cells) -> Vec<[u32; 2]> {
+    let mut all = Vec::new();
+    for balls in cells.all() {
+        for (k, a) in balls.iter().enumerate() {
+            all.extend(balls[k + 1..].iter().map(|b| [*a.min(b), *a.max(b)]));
+        }
+    }
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+impl<'a> Curves<'a> {
+    /// The curves of what is listed in cells, cut at each other and at the edges of a window.
+    pub(super) fn new(solids: &'a Solids, cells: &Cells, window: [DVec2; 2]) -> Self {
+        let Solids { balls, projection, cuts: planes, .. } = solids;
+        let mut listed: Vec<u32> = cells.all().flatten().copied().collect();
+        listed.sort_unstable();
+        listed.dedup();
+        let pairs = pairs(cells);
+        let mut neighbors: Vec<Vec<u32>> = vec![Vec::new(); balls.len()];
+        for [a, b] in &pairs {
+            neighbors[*a as usize].push(*b);
+            neighbors[*b as usize].push(*a);
+        }
+        let mut curves = Self { solids, all: Vec::new(), cuts: Vec::new() };
+        let mut outline_of = vec![u32::MAX; balls.len()];
+        for &n in &listed {
+            let contour = balls[n as usize].contour(projection);
+            outline_of[n as usize] = curves.push(Shape::Circle(contour), Kind::Outline(n));
+        }
+        let mut rims_of: Vec<Vec<u32>> = vec![Vec::new(); balls.len()];
+        for &n in listed.iter().filter(|n| solids.is_cut[**n as usize] || solids.is_spared[**n as usize]) {
+            for (plane, cut) in (0..).zip(planes) {
+                if let Some(circle) = cut.plane.cut(&balls[n as usize]) {
+                    let rim = curves.push(Shape::Circle(circle), Kind::Rim { ball: n, plane });
+                    rims_of[n as usize].push(rim);
+                }
+            }
+        }
+        let crossings = curves.all.len();
+        for of in &pairs {
+            let [a, b] = of.map(|n| &balls[n as usize]);
+            if let Some(circle) = a.crossing(b) {
+                curves.push(Shape::Circle(circle), Kind::Crossing(*of));
+            }
+        }
+        let lines = curves.all.len();
+        curves.add_lines(window);
+        for [a, b] in &pairs {
+            curves.meet(outline_of[*a as usize], outline_of[*b as usize]);
+        }
+        for n in crossings..lines {
+            let Kind::Crossing(of) = curves.all[n].kind else { continue };
+            let n = n as u32;
+            for k in of {
+                let contour = Plane::of_contour(&balls[k as usize], projection);
+                curves.join(n, &contour, &[outline_of[k as usize]]);
+                for &rim in &rims_of[k as usize] {
+                    if let Kind::Rim { plane, .. } = curves.all[rim as usize].kind {
+                        curves.join(n, &planes[plane as usize].plane, &[rim]);
+                    }
+                    curves.meet(n, rim);
+                }
+            }
+            let [a, b] = of.map(|k| &neighbors[k as usize]);
+            for &k in a.iter().filter(|k| !of.contains(k) && b.binary_search(k).is_ok()) {
+                curves.join(n, &Plane::between(&balls[of[0] as usize], &balls[k as usize]), &[]);
+                curves.meet(n, outline_of[k as usize]);
+                rims_of[k as usize].iter().for_each(|rim| curves.meet(n, *rim));
+            }
+        }
+        for &n in &listed {
+            for (k, &rim) in rims_of[n as usize].iter().enumerate() {
+                let contour = Plane::of_contour(&balls[n as usize], projection);
+                // Where an outline ends at a plane, one that is the same in the image may be seen.
+                let shape = curves.all[rim as usize].shape;
+                let ends: Vec<f64> = shape.through(&contour);
+                for &at in &ends {
+                    curves.cuts[rim as usize].push(at);
+                    curves.cut_under(outline_of[n as usize], shape.point(at));
+                }
+                for &other in &rims_of[n as usize][k + 1..] {
+                    if let Kind::Rim { plane, .. } = curves.all[other as usize].kind {
+                        curves.join(rim, &planes[plane as usize].plane, &[other]);
+                    }
+                    curves.meet(rim, other);
+                }
+                for &b in &neighbors[n as usize] {
+                    curves.join(rim, &Plane::between(&balls[n as usize], &balls[b as usize]), &[]);
+                    let is_touched = |x: &DVec3| balls[b as usize].is_touched(projection, projection.place(*x));
+                    let touched: Vec<DVec3> = ends.iter().map(|at| shape.point(*at)).filter(is_touched).collect();
+                    touched.iter().for_each(|x| curves.cut_under(outline_of[b as usize], *x));
+                    curves.meet_beyond(rim, outline_of[b as usize], &touched);
+                    rims_of[b as usize].iter().filter(|_| n < b).for_each(|other| curves.meet(rim, *other));
+                }
+            }
+        }
+        for line in lines..curves.all.len() {
+            (0..line).for_each(|n| curves.meet(n as u32, line as u32));
+        }
+        curves
+    }
+
+    fn push(&mut self, shape: Shape, kind: Kind) -> u32 {
+        self.all.push(Curve { shape, kind });
+        self.cuts.push(Vec::new());
+        self.all.len() as u32 - 1
+    }
+
+    /// The lines in which planes cross, and the edges of the window.
+    fn add_lines(&mut self, [low, high]: [DVec2; 2]) {
+        let planes = &self.solids.cuts;
+        for (b, q) in (0..).zip(planes) {
+            for (a, p) in (0..b).zip(planes) {
+                if let Some(line) = p.plane.crossing(&q.plane) {
+                    self.push(Shape::Line(line), Kind::Ridge([a, b]));
+                }
+            }
+        }
+        let corners = [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)];
+        for n in 0..4 {
+            let [from, to] = [corners[n], corners[(n + 1) % 4]].map(|corner| {
+                let (start, along) = self.solids.projection.ray(corner);
+                start + along
+            });
+            let edge = self.push(Shape::Line(Line { from, along: to - from }), Kind::Edge);
+            self.cuts[edge as usize] = vec![0.0, 1.0];
+        }
+    }
+
+    /// Cuts a curve where it passes through a plane, and curves that pass through the same points.
+    fn join(&mut self, curve: u32, plane: &Plane, others: &[u32]) {
+        let shape = self.all[curve as usize].shape;
+        for at in shape.through(plane) {
+            self.cuts[curve as usize].push(at);
+            others.iter().for_each(|other| self.cut_under(*other, shape.point(at)));
+        }
+    }
+
+    /// Cuts two curves where they cross in the image.
+    fn meet(&mut self, a: u32, b: u32) {
+        self.meet_beyond(a, b, &[]);
+    }
+
+    /// The same, but for crossings that are close to points where the curves touch: arithmetic may find two there, or none.
+    fn meet_beyond(&mut self, a: u32, b: u32, touched: &[DVec3]) {
+        let projection = self.solids.projection;
+        let projection = &projection;
+        let [one, other] = [a, b].map(|n| self.all[n as usize]);
+        let found = match (one.shape, other.shape, other.kind) {
+            (Shape::Line(_), Shape::Circle(_), _) => return self.meet(b, a),
+            (_, Shape::Line(line), _) => one.shape.through(&Plane::of_rays(&line, projection)),
+            (Shape::Circle(circle), _, Kind::Outline(n)) => circle.touching(&self.solids.balls[n as usize], projection),
+            (Shape::Circle(circle), Shape::Circle(rim), Kind::Rim { plane, .. }) => {
+                let cut = &self.solids.cuts[plane as usize];
+                match cut.is_edge_on {
+                    true => circle.through(&cut.plane),
+                    false => circle.meeting(&rim, &cut.plane, projection),
+                }
+            }
+            _ => Vec::new(),
+        };
+        for at in found {
+            let x = one.shape.point(at);
+            let is_close = |other: &DVec3| projection.place(*other).distance(projection.place(x)) < CLOSE;
+            if !touched.iter().any(is_close) {
+                self.cuts[a as usize].push(at);
+                self.cut_under(b, x);
+            }
+        }
+    }
+
+    /// Cuts a curve where a point is seen.
+    fn cut_under(&mut self, curve: u32, x: DVec3) {
+        let (projection, Curve { shape, kind }) = (&self.solids.projection, self.all[curve as usize]);
+        let found = match (shape, kind) {
+            (Shape::Line(line), _) => vec![line.under(x, projection)],
+            (Shape::Circle(circle), Kind::Outline(n)) => {
+                vec![circle.angle(Circle::touched(&self.solids.balls[n as usize], x, projection))]
+            }
+            (Shape::Circle(circle), Kind::Rim { plane, .. }) => {
+                let cut = &self.solids.cuts[plane as usize];
+                match cut.is_edge_on {
+                    true => circle.on_edge(x, &cut.plane, projection),
+                    false => vec![circle.under(x, &cut.plane, projection)],
+                }
+            }
+            (Shape::Circle(circle), _) => vec![circle.angle(x)],
+        };
+        self.cuts[curve as usize].extend(found.into_iter().filter(|at| at.is_finite()));
+    }
+
+    /// The pieces of a curve, from each cut on to the next.
+    pub(super) fn pieces(&self, curve: u32) -> Vec<[f64; 2]> {
+        let mut cuts = self.cuts[curve as usize].clone();
+        cuts.sort_by(f64::total_cmp);
+        match self.all[curve as usize].shape {
+            Shape::Circle(_) => {
+                if cuts.is_empty() {
+                    cuts.push(0.0);
+                }
+                cuts.push(cuts[0] + TAU);
+            }
+            // Beyond its edges nothing is seen.
+            Shape::Line(_) if self.all[curve as usize].kind == Kind::Edge => cuts.retain(|at| (0.0..=1.0).contains(at)),
+            Shape::Line(_) => {}
+        }
+        cuts.windows(2).map(|two| [two[0], two[1]]).filter(|[from, to]| to - from > 1e-13).collect()
+    }
+}

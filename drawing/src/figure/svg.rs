@@ -1,0 +1,162 @@
+//! Figures as SVG 1.1, with arcs as they are.
+
+use super::paint::{Page, Paint, Path, Stop};
+use super::path::Step;
+use super::xml;
+use crate::canvas::FONT;
+use crate::inset::sheet::{Halo, OPACITY, Shape, Sheet};
+use glam::DVec2;
+use std::fmt::Write;
+
+/// The value of `d` of a path, in units of the picture to 1e-4.
+pub(super) fn d(path: &[Step]) -> String {
+    let mut d = String::new();
+    for (n, step) in path.iter().enumerate() {
+        // Writing to a String does not fail.
+        let _ = match step {
+            Step::Start(at) => write!(d, "{}M{}", if n > 0 { "Z" } else { "" }, numbers(*at)),
+            Step::Line(to) => write!(d, "L{}", numbers(*to)),
+            Step::Arc { ellipse, way, to, .. } => {
+                let [a, b] = ellipse.axes;
+                let turn = if number(a) == number(b) { "0".into() } else { number(ellipse.turn.to_degrees()) };
+                write!(d, "A{} {turn} 0 {} {}", numbers(DVec2::new(a, b)), u8::from(*way > 0.0), numbers(*to))
+            }
+        };
+    }
+    d + "Z"
+}
+
+fn number(x: f64) -> String {
+    let text = format!("{x:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    match text.strip_prefix("0.").map(|digits| format!(".{digits}")) {
+        Some(short) => short,
+        None if text == "-0" => "0".into(),
+        None => text.into(),
+    }
+}
+
+fn numbers(at: DVec2) -> String {
+    format!("{} {}", number(at.x), number(at.y))
+}
+
+fn hex([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+/// The figure, with panels over it.
+pub(super) fn write<'a>(page: &Page, panels: impl Iterator<Item = (DVec2, &'a Sheet)>) -> String {
+    let [width, height] = page.size;
+    let [wide, high] = match page.dpi {
+        Some(dpi) => [width, height].map(|side| format!("{}mm", number(side * 25.4 / f64::from(dpi)))),
+        None => [width, height].map(number),
+    };
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{wide}\" \
+         height=\"{high}\" viewBox=\"0 0 {width} {height}\">\n<desc>halfline {}</desc>\n",
+        env!("CARGO_PKG_VERSION")
+    );
+    // Writing to a String does not fail.
+    if let Some(color) = page.background {
+        let _ = writeln!(svg, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", hex(color));
+    }
+    if !page.gradients.is_empty() {
+        svg += "<defs>\n";
+        for (n, stops) in page.gradients.iter().enumerate() {
+            let _ =
+                write!(svg, "<radialGradient id=\"c{n}\" gradientUnits=\"userSpaceOnUse\" cx=\"0\" cy=\"0\" r=\"1\">");
+            for Stop { at, color } in stops {
+                let _ = write!(svg, "<stop offset=\"{}\" stop-color=\"{}\"/>", number(*at), hex(*color));
+            }
+            svg += "</radialGradient>\n";
+        }
+        for path in page.groups.iter().flat_map(|group| &group.paths) {
+            if let Paint::Radial { stops, matrix, focus } = &path.paint {
+                let matrix = matrix.map(number).join(" ");
+                let _ = write!(svg, "<radialGradient id=\"g{}\" xlink:href=\"#c{stops}\"", path.name);
+                if focus.length() > 5e-4 {
+                    let _ = write!(svg, " fx=\"{}\" fy=\"{}\"", number(focus.x), number(focus.y));
+                }
+                let _ = writeln!(svg, " gradientTransform=\"matrix({matrix})\"/>");
+            }
+        }
+        svg += "</defs>\n";
+    }
+    let line = page.line.map_or(String::new(), |color| format!(" stroke=\"{}\"", hex(color)));
+    let width = number(page.line_width);
+    let _ = writeln!(
+        svg,
+        "<g id=\"spheres\" fill-rule=\"evenodd\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{line}>"
+    );
+    for group in &page.groups {
+        if let Some(id) = &group.id {
+            let _ = writeln!(svg, "<g id=\"{}\"{}>", xml::attribute(id), data(&group.data));
+        }
+        group.paths.iter().for_each(|path| add(&mut svg, path, page.line.is_some()));
+        svg += if group.id.is_some() { "</g>\n" } else { "" };
+    }
+    svg += "</g>\n";
+    let mut panels = panels.peekable();
+    if panels.peek().is_some() {
+        let _ = writeln!(
+            svg,
+            "<g id=\"insets\" font-family=\"{FONT}\" stroke-linecap=\"round\" stroke-linejoin=\"round\">"
+        );
+        panels.for_each(|(at, sheet)| add_sheet(&mut svg, at, sheet));
+        svg += "</g>\n";
+    }
+    svg + "</svg>\n"
+}
+
+fn data(data: &[(String, String)]) -> String {
+    data.iter().map(|(name, value)| format!(" data-{name}=\"{}\"", xml::attribute(value))).collect()
+}
+
+fn add(svg: &mut String, Path { name, data: values, steps, paint }: &Path, has_line: bool) {
+    let paint = match paint {
+        Paint::Flat(color) => hex(*color),
+        Paint::Radial { .. } => format!("url(#g{name})"),
+    };
+    // A thin line of its own colour closes the seams between neighbours.
+    let line = if has_line { String::new() } else { format!(" stroke=\"{paint}\"") };
+    let _ = writeln!(svg, "<path id=\"{name}\"{} fill=\"{paint}\"{line} d=\"{}\"/>", data(values), d(steps));
+}
+
+fn add_sheet(svg: &mut String, at: DVec2, sheet: &Sheet) {
+    let _ = writeln!(svg, "<g transform=\"translate({})\">", numbers(at));
+    if sheet.has_paper {
+        let [width, height] = sheet.size;
+        let _ = writeln!(svg, "<rect width=\"{width}\" height=\"{height}\" fill=\"#fff\" fill-opacity=\"{OPACITY}\"/>");
+    }
+    let n = |x: f32| number(f64::from(x));
+    for shape in &sheet.shapes {
+        let _ = match shape {
+            Shape::Rectangle { corners: [left, top, right, bottom], color } => {
+                let [left, top, width, height] = [*left, *top, right - left, bottom - top].map(n);
+                let color = hex(*color);
+                writeln!(svg, "<rect x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" fill=\"{color}\"/>")
+            }
+            Shape::Text { text, bold, size, at: [x, y], color, halo } => {
+                let weight = if *bold { " font-weight=\"bold\"" } else { "" };
+                let halo = halo.map_or(String::new(), |Halo { width, color }| {
+                    format!(" stroke=\"{}\" stroke-width=\"{}\" paint-order=\"stroke\"", hex(color), n(width))
+                });
+                let (x, y, size, color, text) = (n(*x), n(*y), n(*size), hex(*color), xml::text(text));
+                writeln!(
+                    svg,
+                    "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{weight} fill=\"{color}\"{halo}>{text}</text>"
+                )
+            }
+            Shape::Line { ends: [from, to], width, color } => {
+                let [a, b, c, d] = [from[0], from[1], to[0], to[1]].map(n);
+                let (color, width) = (hex(*color), n(*width));
+                writeln!(svg, "<path d=\"M{a} {b}L{c} {d}\" stroke=\"{color}\" stroke-width=\"{width}\"/>")
+            }
+            Shape::Disc { at, radius, color } => {
+                let ([x, y], radius, color) = (at.map(n), n(*radius), hex(*color));
+                writeln!(svg, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\" fill=\"{color}\"/>")
+            }
+        };
+    }
+    *svg += "</g>\n";
+}
