@@ -14,6 +14,7 @@ use halfline::scene::Scene;
 use halfline_files::write::file::{Target, is_special, is_standard_output};
 use halfline_files::write::format::{Bits, Dpi, FileFormat, FormatOptions, NoReturn};
 use halfline_files::write::glb::is_glb;
+use halfline_files::write::vector::VectorFormat;
 use std::path::{Path, PathBuf};
 
 /// Buffers and their file; `None` for the file of -o.
@@ -28,7 +29,8 @@ pub(super) struct FileArgs {
     /// The picture: .png, .exr, .npy (linear RGB), .npz, .pfm, .raw, or a copy for other programs, which halfline does not read
     /// again: .tif, .jpg (quality 95), .webp (lossless); - is a PNG on standard output. For several pictures
     /// %d or %04d is replaced by the number, and %% beside it by %, or .mp4 or .gif is a film of them, made by ffmpeg. .glb is
-    /// no picture but the spheres themselves, as points with radii and colours for Blender and other programs.
+    /// no picture but the spheres themselves, as points with radii and colours for Blender and other programs. .svg and .pdf are
+    /// figures without pixels: the visible part of each sphere as a path, sharp at any size.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     /// Pictures per second of a film [default: 25].
@@ -122,7 +124,7 @@ impl FileArgs {
     pub(super) fn check_formats(&self, targets: &[Target]) -> Result<()> {
         let film = self.film().map(|film| film.path);
         let holds = |target: &Target| target.format().has_levels() && Some(target.path()) != film;
-        if self.typed.has("dpi") && !targets.iter().any(holds) {
+        if self.typed.has("dpi") && !targets.iter().any(holds) && self.figure().is_none() {
             let problem = "--dpi applies to .png, .tif, .jpg and .webp files, and none is written";
             return Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"));
         }
@@ -141,6 +143,10 @@ impl FileArgs {
     /// # Errors
     /// [`Error::Settings`] with the file.
     pub(super) fn check_resume(&self, targets: &[Target]) -> Result<()> {
+        if let Some((path, _)) = self.figure() {
+            let problem = format!("--resume: {} is a figure, which is not read again", path.display());
+            return Err(Error::settings(problem, "use .png, or remove --resume"));
+        }
         match targets.iter().find(|target| target.format().is_copy()) {
             Some(target) => {
                 let problem = format!("--resume: {} is a copy, which is not read again", target.path().display());
@@ -153,7 +159,8 @@ impl FileArgs {
     /// Warns of a --transparent of the command line that none of the files shows.
     pub(super) fn check_transparent(&self, targets: &[Target]) {
         let shows = |target: &Target| target.aovs().contains(&Aov::Alpha);
-        if self.typed.has("transparent") && !targets.is_empty() && !targets.iter().any(shows) {
+        if self.figure().is_none() && self.typed.has("transparent") && !targets.is_empty() && !targets.iter().any(shows)
+        {
             warn(["--transparent: no file has the alpha of the picture; .png, .exr, .npz, .tif and .webp store it"]);
         }
     }
@@ -179,14 +186,25 @@ impl FileArgs {
         Err(Error::settings(problem, "use -o with the file name extension .mp4 or .gif, or remove --fps"))
     }
 
-    /// The picture that -o names, not a model.
+    /// The picture that -o names, neither a model nor a figure.
     fn picture(&self) -> Option<&Path> {
-        self.output.as_deref().filter(|path| !is_glb(path))
+        self.output.as_deref().filter(|path| !is_glb(path) && VectorFormat::of(path).is_none())
     }
 
     /// The model of the spheres that -o names, with a place for the number.
     pub(super) fn model(&self) -> Option<&Path> {
         self.output.as_deref().filter(|path| is_glb(path))
+    }
+
+    /// The figure without pixels that -o names, with a place for the number, and its format.
+    pub(super) fn figure(&self) -> Option<(&Path, VectorFormat)> {
+        let path = self.output.as_deref()?;
+        Some((path, VectorFormat::of(path)?))
+    }
+
+    /// Whether -o names neither a model nor a figure.
+    pub(super) fn is_picture_only(&self) -> bool {
+        self.model().is_none() && self.figure().is_none()
     }
 
     /// The buffers of --aov.
@@ -196,7 +214,8 @@ impl FileArgs {
 
     /// The names of all files, with patterns for the number.
     pub(super) fn names(&self) -> Result<Vec<&Path>> {
-        Ok(self.model().into_iter().chain(self.named()?.into_iter().map(|(_, path)| path)).collect())
+        let figure = self.figure().map(|(path, _)| path);
+        Ok(self.model().into_iter().chain(figure).chain(self.named()?.into_iter().map(|(_, path)| path)).collect())
     }
 
     /// Whether the name of the picture has a place for the number of a frame.
@@ -255,11 +274,12 @@ const MODELS: [&str; 14] =
 fn with_others(path: &Path, error: Error) -> Error {
     let Error::Settings { problem, mend } = error else { return error };
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let [film, model] = ["a film of several pictures is .mp4 or .gif", "a model of the spheres is .glb"];
+    let film = "a film of several pictures is .mp4 or .gif";
+    let [model, figure] = ["a model of the spheres is .glb", "a figure without pixels is .svg or .pdf"];
     let mend = match &ending[..] {
         ending if FILMS.contains(&ending) => format!("{film}; else {mend}"),
         ending if MODELS.contains(&ending) => format!("{model}; else {mend}"),
-        _ => format!("{mend}; {film}, {model}"),
+        _ => format!("{mend}; {film}, {model}, {figure}"),
     };
     Error::Settings { problem, mend }
 }

@@ -71,7 +71,8 @@ impl InsetArgs {
         let is_picture =
             |path: &Path| is_standard_output(path) || FileFormat::of(path).is_some_and(FileFormat::is_picture);
         let is_drawn = files.output.as_deref().is_some_and(|path| is_picture(path) || files.film().is_some());
-        let mend = "use -o with the file name extension .png, .exr, .tif, .jpg, .webp, .mp4 or .gif";
+        let is_drawn = is_drawn || files.figure().is_some();
+        let mend = "use -o with the file name extension .png, .exr, .tif, .jpg, .webp, .svg, .pdf, .mp4 or .gif";
         self.check_place(is_part, is_drawn && !files.raw, "pictures and films", mend)
     }
 

@@ -75,6 +75,8 @@ pub(super) struct LookRequest {
     pub(super) file: FileLook,
     /// Whether the colour of the picture is computed.
     pub(super) has_picture: bool,
+    /// Whether the picture is a figure without pixels, which has the lines of a look and not its light.
+    pub(super) is_figure: bool,
     /// The samples and the shading that options ask for.
     pub(super) samples: Option<u32>,
     pub(super) shade: Option<Shade>,
@@ -86,6 +88,7 @@ pub(super) struct PictureLook {
     chosen: ChosenLook,
     lens: PictureLens,
     has_picture: bool,
+    is_figure: bool,
     shade: Option<Shade>,
     silhouette: bool,
     depth_cue: bool,
@@ -99,7 +102,7 @@ pub(super) struct PictureLook {
 
 impl LightArgs {
     /// Whether the picture would have the look of particles.
-    pub(super) fn would_be_soft(&self, LookRequest { file, has_picture, samples, shade }: LookRequest) -> bool {
+    pub(super) fn would_be_soft(&self, LookRequest { file, has_picture, samples, shade, .. }: LookRequest) -> bool {
         file.choose(has_picture, self.look, samples, shade).is_default
     }
 
@@ -131,7 +134,7 @@ impl LightArgs {
         request: LookRequest,
         lens: PictureLens,
     ) -> Result<PictureLook> {
-        let LookRequest { file, has_picture, samples, shade } = request;
+        let LookRequest { file, has_picture, is_figure, samples, shade } = request;
         let samples = samples.or(lens.samples);
         let chosen = file.choose(has_picture, self.look, samples, shade);
         let look = chosen.look;
@@ -143,7 +146,7 @@ impl LightArgs {
             skipped.assumed.push(format!("{DEPTH_CUE_STRENGTH} changes nothing: no depth cue is drawn"));
         }
         let light = AddedLight {
-            look,
+            look: if is_figure { Look::Plain } else { look },
             suns: self.sun.clone(),
             shadows: self.shadows,
             occlusion: self.occlusion,
@@ -155,6 +158,7 @@ impl LightArgs {
             chosen,
             lens,
             has_picture,
+            is_figure,
             shade,
             silhouette,
             depth_cue: self.depth_cue,
@@ -194,6 +198,12 @@ impl PictureLook {
         let ChosenLook { look, is_default, samples } = self.chosen;
         if look == Look::Plain {
             return None;
+        }
+        if self.is_figure {
+            let name = look.name();
+            return Some(format!(
+                "look {name}: a figure has its lines, and a light at the eye; its sky and light need pixels"
+            ));
         }
         let rays = Sky::AT_CENTERS.rays_at_center(samples);
         let sky = format!("a sky with {rays} rays from each pixel's centre");

@@ -53,6 +53,8 @@ pub enum Call {
     Camera,
     /// `Frame.save`.
     Save,
+    /// `Scene.vector`, which takes those of a rendering too.
+    Vector,
 }
 
 /// The form of an option's value in Python.
@@ -94,7 +96,7 @@ pub enum Form {
     Color,
 }
 
-use Call::{Camera, Read, Render, Renderer, Save};
+use Call::{Camera, Read, Render, Renderer, Save, Vector};
 use Form::{
     Color, Columns, Files, Flag, Legend, Marks, Name, Names, Number, NumberOrFlag, Rules, Size, Text, TextOrFlag,
     Texts, Tuple, Tuples,
@@ -199,6 +201,8 @@ const OPTIONS: &[OptionRow] = &[
     row("output", Elsewhere("Frame.save"), NO_VIEW),
     row("aov", Elsewhere("aovs"), NO_VIEW | NO_PART),
     row("cryptomatte", Keyword(Render, "cryptomatte", Texts, "str | Iterable[str]"), NO_VIEW | NO_PART),
+    row("group", Keyword(Vector, "group", Texts, "str | Iterable[str]"), NO_VIEW | NO_PART),
+    row("detail", Keyword(Vector, "detail", Number, "float"), NO_VIEW | NO_PART),
     row("fps", Missing, NO_VIEW | NO_PART),
     row("bits", Keyword(Save, "bits", Number, "Literal[8, 16]"), CONFIG | NO_PART),
     row("dpi", Keyword(Save, "dpi", Number, "float | None"), CONFIG | NO_PART),
@@ -236,6 +240,7 @@ pub(super) fn options() -> impl Iterator<Item = &'static OptionRow> {
 fn of_call(call: Call) -> impl Iterator<Item = &'static OptionRow> {
     options().filter(move |row| match row.python {
         Keyword(Render, ..) if call == Call::Sieve => row.uses & NO_PART == 0,
+        Keyword(Render, ..) if call == Call::Vector => true,
         Keyword(of, ..) => of == call && row.id != "frames",
         _ => false,
     })

@@ -27,6 +27,8 @@ pub(super) struct PictureScene {
     pub(super) marked: Vec<Marked>,
     /// The names of the spheres in Cryptomatte layers.
     pub(super) mattes: Vec<MatteNames>,
+    /// Words and names by the columns of a figure's groups, then by others that its paths have.
+    pub(super) path_names: Vec<(String, MatteNames)>,
     /// The frame that the parts were made for; `None` for a scene that is not of parts.
     pub(super) part_view: Option<PartView>,
 }
@@ -46,6 +48,7 @@ impl PictureScene {
             ids: None,
             marked: Vec::new(),
             mattes: Vec::new(),
+            path_names: Vec::new(),
             part_view: None,
         }
     }

@@ -347,6 +347,7 @@ impl Render {
         self.args.insets.check(self.args.image.is_part(), &self.args.files)?;
         self.args.check_outputs()?;
         self.args.files.check_formats(&targets)?;
+        self.args.figure.check(&self.args, &self.args.files)?;
         if self.resume {
             self.args.files.check_resume(&targets)?;
         }
@@ -358,7 +359,7 @@ impl Render {
                 "cameras.json is not written, because no picture is a file whose folder it could be in"
             )),
         }
-        if targets.is_empty() && !self.json && self.preview.is_none() && self.args.files.model().is_none() {
+        if targets.is_empty() && !self.json && self.preview.is_none() && self.args.files.is_picture_only() {
             let problem = "no output is requested";
             return Err(Error::settings(problem, "use -o for a picture, --aov for a buffer, or --json"));
         }

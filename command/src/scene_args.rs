@@ -4,6 +4,7 @@ use super::camera_args::CameraArgs;
 use super::camera_list::list_in;
 use super::clash::{check_inputs, check_numbered, place};
 use super::cut_args::CutArgs;
+use super::figure_args::FigureArgs;
 use super::file_args::FileArgs;
 use super::inset_args::InsetArgs;
 use super::light_args::{LightArgs, LookRequest};
@@ -68,6 +69,8 @@ pub(super) struct SceneArgs {
     pub(super) accuracy: AccuracyArgs,
     #[command(flatten)]
     pub(super) files: FileArgs,
+    #[command(flatten)]
+    pub(super) figure: FigureArgs,
 }
 
 /// The image options.
@@ -169,7 +172,12 @@ impl SceneArgs {
     /// colour is computed.
     pub(super) fn look_request(&self, file: FileLook, has_picture: bool) -> LookRequest {
         let Self { image, .. } = self;
-        LookRequest { file, has_picture, samples: image.samples(), shade: image.shade }
+        LookRequest { file, has_picture, is_figure: self.is_figure(), samples: image.samples(), shade: image.shade }
+    }
+
+    /// Whether the picture is a figure without pixels.
+    pub(super) fn is_figure(&self) -> bool {
+        self.files.figure().is_some()
     }
 
     /// Whether several pictures are rendered.
@@ -258,7 +266,7 @@ impl SceneArgs {
     }
 
     /// The resolution of pictures: that of a size on paper has a default.
-    fn dpi(&self) -> Option<Dpi> {
+    pub(super) fn dpi(&self) -> Option<Dpi> {
         self.files.dpi.or(self.image.size.filter(|size| size.is_printed()).map(|_| Dpi::OF_PRINT))
     }
 

@@ -70,7 +70,7 @@ impl<'a> SceneFrames<'a> {
         if let Some(record) = &taken {
             common.camera = Some(camera_file::resized(record, args.size()));
         }
-        let has_picture = settings.aovs.contains(&Aov::Color);
+        let has_picture = settings.aovs.contains(&Aov::Color) || args.is_figure();
         Ok(Self { args, sequence, count: 0, standing: None, common, has_picture, taken, framed: None, open: None })
     }
 
@@ -178,10 +178,10 @@ pub(super) fn sequence(
     from: Option<u64>,
     cancel: &Cancel,
 ) -> Result<(Sequence, Option<(Camera, DVec3)>)> {
+    let needs_columns =
+        args.insets.has_marks() || args.cut.selects() || !args.files.cryptomatte.is_empty() || args.is_figure();
     let keep = match keep {
-        Keep::Nothing if args.insets.has_marks() || args.cut.selects() || !args.files.cryptomatte.is_empty() => {
-            Keep::All
-        }
+        Keep::Nothing if needs_columns => Keep::All,
         keep => keep,
     };
     let mut options = options(args, cancel)?;
@@ -267,8 +267,19 @@ pub(super) fn with_light(
     let (marked, notes) = frame.marked(&args.insets.marks())?;
     frame.skipped.assumed.extend(notes);
     let mattes = frame.matte_names(&args.files.cryptomatte)?;
+    let path_names = if args.is_figure() { frame.path_names(args.figure.groups())? } else { Vec::new() };
     let SceneFrame { number, scene, skipped, legend, when, beads, .. } = frame;
-    Ok(PictureScene { number, beads, skipped, legend, when, marked, mattes, ..PictureScene::bare(scene, look) })
+    Ok(PictureScene {
+        number,
+        beads,
+        skipped,
+        legend,
+        when,
+        marked,
+        mattes,
+        path_names,
+        ..PictureScene::bare(scene, look)
+    })
 }
 
 /// The camera that shows all frames of the file, and the middle of the first; their default radius and range of colours

@@ -67,6 +67,9 @@ pub(super) fn check(args: &SceneArgs) -> Result<()> {
     if args.insets.has_marks() {
         return Err(Error::settings("--mark and --mark-one: parts have no columns", "remove them"));
     }
+    if args.is_figure() {
+        return Err(Error::settings("parts have pixels, and a figure has none", "use a picture"));
+    }
     if args.files.model().is_some() {
         return Err(Error::settings("parts have no spheres that are hidden, which a model has", "use a picture"));
     }

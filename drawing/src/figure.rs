@@ -7,6 +7,7 @@ mod circle;
 mod curves;
 mod paint;
 mod path;
+mod pdf;
 mod regions;
 mod solids;
 mod svg;
@@ -20,11 +21,12 @@ use glam::{DVec2, DVec3};
 use halfline::camera::Lens;
 use halfline::error::{Error, Result};
 use halfline::frame::outline::Outline;
+use halfline::frame::report::FigureCounts;
 use halfline::frame::srgb::level;
 use halfline::frame::tone::Toning;
 use halfline::scene::{CUT, DEFAULT_COLOR, REMOVED, SPARED, Scene, Spheres};
 use halfline::shade::Shade;
-use paint::{Group, Page, Paint, Path};
+use paint::{Group, Lines, Page, Paint, Path};
 use regions::{Region, Regions};
 use solids::{Cut, Solids};
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -41,7 +43,7 @@ pub struct FigureStyle {
     pub shade: Shade,
     /// Tone and exposure of the colours.
     pub toning: Toning,
-    /// The lines around paths; `None` for none.
+    /// The lines where the depth jumps, and around faces; `None` for none.
     pub outline: Option<Outline>,
     /// Whether the figure has no background.
     pub transparent: bool,
@@ -73,17 +75,6 @@ pub struct FigureNames<'a> {
     pub value: &'a dyn Fn(usize, u32) -> String,
 }
 
-/// Counts of a figure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct FigureCounts {
-    /// Paths.
-    pub paths: usize,
-    /// Spheres, and visible parts of spheres, that are left out because they are small.
-    pub small: usize,
-    /// Lines that were closed by a straight one, because arithmetic in f64 did not tell where they go on.
-    pub joined: usize,
-}
-
 /// The figure of a scene.
 ///
 /// ```
@@ -106,8 +97,9 @@ pub struct Figure {
     surfaces: Vec<Surface>,
 }
 
-/// The width of the lines that close the seams between paths, pixels.
-const SEAM: f64 = 0.3;
+/// The gap in depth, pixels, from which a line is drawn: at the middle of those from which lines of pictures appear to those where they are
+/// full.
+const JUMP: f64 = 16.0;
 
 /// The window of the image in which lines are drawn is wider on each side by so many pixels, and by the width of outlines.
 const MARGIN: f64 = 8.0;
@@ -145,7 +137,8 @@ impl Figure {
             let of = Surface { face: surface.face.map(|_| u32::MAX), ..surface };
             keys.get(&of).copied().unwrap_or(surface)
         };
-        let Regions { curves, mut regions, joined } = Regions::of(&solids, [-margin, size + margin], key);
+        let jump = style.outline.map(|_| JUMP);
+        let Regions { curves, mut regions, jumps, joined } = Regions::of(&solids, [-margin, size + margin], jump, key);
         let parts = regions.len();
         regions.retain(|region| {
             let [low, high] = region.bounds(&curves, &projection);
@@ -157,7 +150,7 @@ impl Figure {
             let depth = |region: &Region| solids.balls[region.surface.sphere as usize].center.z;
             depth(a).total_cmp(&depth(b)).then(a.surface.cmp(&b.surface))
         });
-        let regions = Regions { curves, regions, joined };
+        let regions = Regions { curves, regions, jumps, joined };
         let mut by_group: BTreeMap<&[String], Vec<Path>> = BTreeMap::new();
         let (mut gradients, mut known, mut surfaces) = (Vec::new(), HashMap::new(), Vec::new());
         for region in &regions.regions {
@@ -219,11 +212,16 @@ impl Figure {
             dpi: style.dpi,
             background: (!style.transparent).then(|| style.toning.of(scene.image.background).map(level)),
             gradients,
-            line: style.outline.map(|outline| style.toning.of(outline.color).map(level)),
-            line_width: style.outline.map_or(SEAM, |outline| outline.width),
+            lines: style.outline.map(|outline| Lines {
+                color: style.toning.of(outline.color).map(level),
+                width: outline.width,
+                steps: regions.path_of_jumps(&projection),
+            }),
             groups,
         };
-        let counts = FigureCounts { paths: regions.regions.len(), small, joined };
+        let joined = regions.joined;
+        let counts =
+            FigureCounts { paths: surfaces.len() as u64, small: small as u64, joined: joined as u64, bytes: 0 };
         Ok(Self { page, counts, surfaces })
     }
 
@@ -243,6 +241,12 @@ impl Figure {
     #[must_use]
     pub fn svg(&self, panels: Option<&Panels>) -> String {
         svg::write(&self.page, panels.into_iter().flat_map(Panels::sheets))
+    }
+
+    /// The figure as PDF, of one page; arcs are cubic curves within 1e-4 pixels.
+    #[must_use]
+    pub fn pdf(&self, panels: Option<&Panels>) -> Vec<u8> {
+        pdf::write(&self.page, panels.into_iter().flat_map(Panels::sheets))
     }
 }
 

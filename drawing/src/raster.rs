@@ -204,6 +204,41 @@ pub(super) fn letters_width(text: &str, bold: bool, size: f32) -> f32 {
     face(bold).width(text, size)
 }
 
+/// The bytes of the font.
+pub(super) fn bytes(bold: bool) -> &'static [u8] {
+    if bold { sans::bold() } else { sans::regular() }
+}
+
+/// The highest and the lowest point of its letters, in ems above the baseline.
+pub(super) fn metrics(bold: bool) -> [f32; 2] {
+    let Face { font, em } = face(bold);
+    [font.ascent_unscaled() / em, font.descent_unscaled() / em]
+}
+
+/// A letter of a text in the font.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Glyph {
+    /// The number of its outline in the font.
+    pub(super) id: u16,
+    pub(super) letter: char,
+    /// Its width, in ems.
+    pub(super) width: f32,
+    /// The kerning between it and the next letter, in ems.
+    pub(super) kern: f32,
+}
+
+/// The glyphs of a text.
+pub(super) fn glyphs(text: &str, bold: bool) -> Vec<Glyph> {
+    let face = face(bold);
+    let (placed, end) = face.laid_out(text);
+    let ends = placed.iter().skip(1).map(|(_, start)| *start).chain([end]);
+    let glyph = |((letter, (id, start)), end): ((char, &(GlyphId, f32)), f32)| {
+        let width = face.font.h_advance_unscaled(*id);
+        Glyph { id: id.0, letter, width: width / face.em, kern: (end - start - width) / face.em }
+    };
+    text.chars().zip(&placed).zip(ends).map(glyph).collect()
+}
+
 /// The letters of a text that the font has no outline for, which are drawn as empty boxes.
 pub(super) fn missing(text: &str, bold: bool) -> impl Iterator<Item = char> {
     // Glyph 0 is that of every unknown letter.

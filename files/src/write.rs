@@ -30,6 +30,7 @@ mod plain;
 pub mod png;
 pub mod rays;
 mod rows;
+pub mod vector;
 
 #[cfg(not(feature = "formats"))]
 use {no_copy as copy, no_exr as exr};

@@ -115,10 +115,25 @@ pub struct Report {
     pub kernel_ms: Vec<f64>,
     /// Wall times of the last frame's stages, milliseconds.
     pub stages_ms: BTreeMap<&'static str, f64>,
+    /// The counts of a figure without pixels; `None` where none was made.
+    pub figure: Option<FigureCounts>,
     /// Whether nothing was rendered because every file existed already; fields that only rendering fills are then zero.
     pub resumed: bool,
     /// Warnings, in whole sentences.
     pub warnings: Vec<String>,
+}
+
+/// Counts of a figure without pixels.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub struct FigureCounts {
+    /// Paths.
+    pub paths: u64,
+    /// Spheres, and visible parts of spheres, that are left out because they are small.
+    pub small: u64,
+    /// Lines that were closed by a straight one, because arithmetic in f64 did not tell where they go on.
+    pub joined: u64,
+    /// Bytes of its file; 0 where none was written.
+    pub bytes: u64,
 }
 
 impl Report {

@@ -2,6 +2,7 @@
 
 use crate::bar::Bar;
 use crate::clash::check_inputs;
+use crate::figure_args;
 use crate::legend;
 use crate::messages::{note, say};
 use crate::names::numbered as numbered_name;
@@ -15,15 +16,18 @@ use halfline::frame::provenance::Origin;
 use halfline::frame::{Aov, Frame};
 use halfline::parallel;
 use halfline::render::{Renderer, origin};
-use halfline::report::Report;
+use halfline::report::{FigureCounts, Report};
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
+use halfline_drawing::figure::{Figure, FigureNames};
 use halfline_drawing::inset::Panels;
 use halfline_files::read::style::RangeEnd;
 use halfline_files::write::figure;
-use halfline_files::write::file::{Target, check_writable};
+use halfline_files::write::file::{Target, check_writable, write_atomically};
+use halfline_files::write::format::Dpi;
 use halfline_files::write::glb;
+use halfline_files::write::vector::VectorFormat;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 use std::hash::{BuildHasher, BuildHasherDefault, DefaultHasher};
@@ -107,7 +111,9 @@ impl PictureWriter<'_> {
     pub(crate) fn picture(&self, numbered: &PictureScene, renderer: &mut Renderer) -> Result<Picture> {
         let (scene, number) = (&numbered.scene, numbered.number);
         let mut targets = self.args.targets(numbered.number)?;
-        let files: Vec<_> = targets.iter().map(|target| target.path().to_path_buf()).collect();
+        let figure = self.args.files.figure().map(|(path, format)| (numbered_name(path, number), format));
+        let files = figure.iter().map(|(path, _)| path.as_path()).chain(targets.iter().map(Target::path));
+        let files: Vec<_> = files.map(Path::to_path_buf).collect();
         let written = |files, report, still| Picture { number, files, report, still };
         let mut panels = self.args.insets.panels(Some(self.args.file_name()), numbered)?;
         if let (Some(panels), Some(target)) = (&panels, targets.first_mut()) {
@@ -138,6 +144,7 @@ impl PictureWriter<'_> {
             }
         }
         self.messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
+        let drawn = figure.as_ref().map(|_| self.figure(numbered, settings)).transpose()?;
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         complete(self.args, numbered, &mut frame, panels.as_mut(), (renderer, settings))?;
         self.args
@@ -154,6 +161,14 @@ impl PictureWriter<'_> {
         if settings.tolerance.is_some() && settings.accuracy == Accuracy::Auto {
             self.messages.note(number, frame.report.reason.clone());
         }
+        let made = drawn.as_ref().zip(figure.as_ref());
+        let made = made.map(|(drawn, of)| self.write_figure(drawn, (&of.0, of.1), panels.as_ref())).transpose()?;
+        let (of_figure, figure_bytes) = made.unzip();
+        if let Some((counts, (path, _))) = of_figure.zip(figure.as_ref()) {
+            self.messages.note(number, figure_args::words(path, counts));
+            frame.report.figure = Some(counts);
+            frame.report.warnings.extend(figure_args::warning(counts));
+        }
         frame.report.warnings.iter().for_each(|warning| self.messages.warn(number, warning));
         let mut still = None;
         if !targets.is_empty() {
@@ -168,6 +183,7 @@ impl PictureWriter<'_> {
                     .note(number, "a film has even sides, so the last column or row of pixels is left out".into());
             }
         }
+        still = still.or(figure_bytes.filter(|_| self.in_memory));
         write_legend(self.args, numbered)?;
         if let Some(preview) = self.preview {
             preview.show(&frame);
@@ -200,6 +216,37 @@ impl PictureWriter<'_> {
         let beyond: Vec<_> = targets.iter().flat_map(|target| target.warnings(&frame)).collect();
         frame.report.warnings.extend(beyond);
         Ok(frame)
+    }
+
+    /// The figure without pixels of a scene.
+    fn figure(&self, numbered: &PictureScene, settings: &Settings) -> Result<Figure> {
+        figure_args::check_settings(settings)?;
+        let dpi = self.args.dpi().map(Dpi::per_inch);
+        let style = self.args.figure.style(settings, self.args.files.transparent, dpi);
+        let names = &numbered.path_names;
+        let names = FigureNames {
+            columns: names.iter().map(|(word, _)| word.clone()).collect(),
+            groups: self.args.figure.groups().len(),
+            value: &|column, id| names[column].1.name(id),
+        };
+        Figure::new(&numbered.scene, style, Some(&names))
+    }
+
+    /// Writes a figure with panels over it. Returns its counts and its bytes.
+    fn write_figure(
+        &self,
+        figure: &Figure,
+        (path, format): (&Path, VectorFormat),
+        panels: Option<&Panels>,
+    ) -> Result<(FigureCounts, Vec<u8>)> {
+        let bytes = match format {
+            VectorFormat::Svg => figure.svg(panels).into_bytes(),
+            VectorFormat::Pdf => figure.pdf(panels),
+        };
+        if !self.in_memory {
+            write_atomically(path, |out| out.write_all(&bytes))?;
+        }
+        Ok((FigureCounts { bytes: bytes.len() as u64, ..figure.counts() }, bytes))
     }
 
     /// Writes the spheres as a model. Returns a report without a frame.
@@ -312,10 +359,11 @@ pub(crate) fn write_legend(args: &SceneArgs, numbered: &PictureScene) -> Result<
 pub(crate) fn writable_targets(args: &SceneArgs, number: u64, inputs: &[PathBuf]) -> Result<Vec<Target>> {
     let targets = args.targets(number)?;
     let model = args.files.model().map(|path| numbered_name(path, number));
+    let figure = args.files.figure().map(|(path, _)| numbered_name(path, number));
     let (legend, list) = (legend::file(args, number)?, args.camera_list()?);
-    let others = legend.iter().chain(&list).chain(&model).map(PathBuf::as_path);
+    let others = legend.iter().chain(&list).chain(&model).chain(&figure).map(PathBuf::as_path);
     check_inputs(targets.iter().map(Target::path).chain(others), inputs)?;
-    model.as_deref().map_or(Ok(()), check_writable)?;
+    model.iter().chain(&figure).try_for_each(|path| check_writable(path))?;
     targets.iter().try_for_each(Target::check)?;
     Ok(targets)
 }

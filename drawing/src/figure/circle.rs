@@ -32,6 +32,12 @@ impl Projection {
         self.middle + self.scale * x.truncate() / depth
     }
 
+    /// The longer side of a unit of the image at a depth, in units of the scene.
+    pub(super) fn pixel(&self, depth: f64) -> f64 {
+        let side = self.scale.abs().min_element().recip();
+        if self.is_parallel { side } else { side * depth }
+    }
+
     /// The direction of a point's derivative in the image, times the square of the depth.
     pub(super) fn velocity(&self, x: DVec3, moved: DVec3) -> DVec2 {
         match self.is_parallel {

@@ -1,9 +1,10 @@
 //! The curves along which what is seen may change, and the places at which they are cut: where they cross each other in the image.
 
 use super::cells::Cells;
-use super::circle::{Circle, Line, Plane, Projection};
-use super::solids::Solids;
+use super::circle::{Ball, Circle, Line, Plane, Projection};
+use super::solids::{Cut, Solids};
 use glam::{DVec2, DVec3};
+use halfline::parallel;
 use std::f64::consts::TAU;
 
 /// A circle or a straight line in space.
@@ -67,6 +68,9 @@ pub(super) struct Curves<'a> {
     pub(super) cuts: Vec<Vec<f64>>,
 }
 
+/// Curves that are cut together on one core.
+const BLOCK: usize = 64;
+
 /// The distance in the image from a point where two curves touch within which they are not cut again.
 const CLOSE: f64 = 1e-4;
 
@@ -120,58 +124,27 @@ impl<'a> Curves<'a> {
         }
         let lines = curves.all.len();
         curves.add_lines(window);
-        for [a, b] in &pairs {
-            curves.meet(outline_of[*a as usize], outline_of[*b as usize]);
-        }
-        for n in crossings..lines {
-            let Kind::Crossing(of) = curves.all[n].kind else { continue };
-            let n = n as u32;
-            for k in of {
-                let contour = Plane::of_contour(&balls[k as usize], projection);
-                curves.join(n, &contour, &[outline_of[k as usize]]);
-                for &rim in &rims_of[k as usize] {
-                    if let Kind::Rim { plane, .. } = curves.all[rim as usize].kind {
-                        curves.join(n, &planes[plane as usize].plane, &[rim]);
-                    }
-                    curves.meet(n, rim);
-                }
-            }
-            let [a, b] = of.map(|k| &neighbors[k as usize]);
-            for &k in a.iter().filter(|k| !of.contains(k) && b.binary_search(k).is_ok()) {
-                curves.join(n, &Plane::between(&balls[of[0] as usize], &balls[k as usize]), &[]);
-                curves.meet(n, outline_of[k as usize]);
-                rims_of[k as usize].iter().for_each(|rim| curves.meet(n, *rim));
-            }
-        }
-        for &n in &listed {
-            for (k, &rim) in rims_of[n as usize].iter().enumerate() {
-                let contour = Plane::of_contour(&balls[n as usize], projection);
-                // Where an outline ends at a plane, one that is the same in the image may be seen.
-                let shape = curves.all[rim as usize].shape;
-                let ends: Vec<f64> = shape.through(&contour);
-                for &at in &ends {
-                    curves.cuts[rim as usize].push(at);
-                    curves.cut_under(outline_of[n as usize], shape.point(at));
-                }
-                for &other in &rims_of[n as usize][k + 1..] {
-                    if let Kind::Rim { plane, .. } = curves.all[other as usize].kind {
-                        curves.join(rim, &planes[plane as usize].plane, &[other]);
-                    }
-                    curves.meet(rim, other);
-                }
-                for &b in &neighbors[n as usize] {
-                    curves.join(rim, &Plane::between(&balls[n as usize], &balls[b as usize]), &[]);
-                    let is_touched = |x: &DVec3| balls[b as usize].is_touched(projection, projection.place(*x));
-                    let touched: Vec<DVec3> = ends.iter().map(|at| shape.point(*at)).filter(is_touched).collect();
-                    touched.iter().for_each(|x| curves.cut_under(outline_of[b as usize], *x));
-                    curves.meet_beyond(rim, outline_of[b as usize], &touched);
-                    rims_of[b as usize].iter().filter(|_| n < b).for_each(|other| curves.meet(rim, *other));
-                }
-            }
-        }
-        for line in lines..curves.all.len() {
-            (0..line).for_each(|n| curves.meet(n as u32, line as u32));
-        }
+        let about = About { balls, planes, outline_of, rims_of, neighbors };
+        let pass = |count: usize, each: &(dyn Fn(usize, &mut Cutter<'_>) + Sync)| {
+            parallel::collect(count, BLOCK, &|range, found: &mut Vec<(u32, f64)>| {
+                let mut cutter = Cutter { solids, curves: &curves.all, found: Vec::new() };
+                range.for_each(|n| each(n, &mut cutter));
+                *found = cutter.found;
+            })
+        };
+        let found = [
+            pass(pairs.len(), &|n, cutter| {
+                let [a, b] = pairs[n].map(|n| about.outline_of[n as usize]);
+                cutter.meet(a, b, &[]);
+            }),
+            pass(lines - crossings, &|n, cutter| about.cut_crossing((crossings + n) as u32, cutter)),
+            pass(listed.len(), &|n, cutter| about.cut_rims(listed[n], cutter)),
+            pass(curves.all.len() - lines, &|n, cutter| {
+                let line = (lines + n) as u32;
+                (0..line).for_each(|n| cutter.meet(n, line, &[]));
+            }),
+        ];
+        found.iter().flatten().for_each(|(curve, at)| curves.cuts[*curve as usize].push(*at));
         curves
     }
 
@@ -202,68 +175,6 @@ impl<'a> Curves<'a> {
         }
     }
 
-    /// Cuts a curve where it passes through a plane, and curves that pass through the same points.
-    fn join(&mut self, curve: u32, plane: &Plane, others: &[u32]) {
-        let shape = self.all[curve as usize].shape;
-        for at in shape.through(plane) {
-            self.cuts[curve as usize].push(at);
-            others.iter().for_each(|other| self.cut_under(*other, shape.point(at)));
-        }
-    }
-
-    /// Cuts two curves where they cross in the image.
-    fn meet(&mut self, a: u32, b: u32) {
-        self.meet_beyond(a, b, &[]);
-    }
-
-    /// The same, but for crossings that are close to points where the curves touch: arithmetic may find two there, or none.
-    fn meet_beyond(&mut self, a: u32, b: u32, touched: &[DVec3]) {
-        let projection = self.solids.projection;
-        let projection = &projection;
-        let [one, other] = [a, b].map(|n| self.all[n as usize]);
-        let found = match (one.shape, other.shape, other.kind) {
-            (Shape::Line(_), Shape::Circle(_), _) => return self.meet(b, a),
-            (_, Shape::Line(line), _) => one.shape.through(&Plane::of_rays(&line, projection)),
-            (Shape::Circle(circle), _, Kind::Outline(n)) => circle.touching(&self.solids.balls[n as usize], projection),
-            (Shape::Circle(circle), Shape::Circle(rim), Kind::Rim { plane, .. }) => {
-                let cut = &self.solids.cuts[plane as usize];
-                match cut.is_edge_on {
-                    true => circle.through(&cut.plane),
-                    false => circle.meeting(&rim, &cut.plane, projection),
-                }
-            }
-            _ => Vec::new(),
-        };
-        for at in found {
-            let x = one.shape.point(at);
-            let is_close = |other: &DVec3| projection.place(*other).distance(projection.place(x)) < CLOSE;
-            if !touched.iter().any(is_close) {
-                self.cuts[a as usize].push(at);
-                self.cut_under(b, x);
-            }
-        }
-    }
-
-    /// Cuts a curve where a point is seen.
-    fn cut_under(&mut self, curve: u32, x: DVec3) {
-        let (projection, Curve { shape, kind }) = (&self.solids.projection, self.all[curve as usize]);
-        let found = match (shape, kind) {
-            (Shape::Line(line), _) => vec![line.under(x, projection)],
-            (Shape::Circle(circle), Kind::Outline(n)) => {
-                vec![circle.angle(Circle::touched(&self.solids.balls[n as usize], x, projection))]
-            }
-            (Shape::Circle(circle), Kind::Rim { plane, .. }) => {
-                let cut = &self.solids.cuts[plane as usize];
-                match cut.is_edge_on {
-                    true => circle.on_edge(x, &cut.plane, projection),
-                    false => vec![circle.under(x, &cut.plane, projection)],
-                }
-            }
-            (Shape::Circle(circle), _) => vec![circle.angle(x)],
-        };
-        self.cuts[curve as usize].extend(found.into_iter().filter(|at| at.is_finite()));
-    }
-
     /// The pieces of a curve, from each cut on to the next.
     pub(super) fn pieces(&self, curve: u32) -> Vec<[f64; 2]> {
         let mut cuts = self.cuts[curve as usize].clone();
@@ -280,5 +191,135 @@ impl<'a> Curves<'a> {
             Shape::Line(_) => {}
         }
         cuts.windows(2).map(|two| [two[0], two[1]]).filter(|[from, to]| to - from > 1e-13).collect()
+    }
+}
+
+/// Curves that are cut, and the places.
+struct Cutter<'a> {
+    solids: &'a Solids,
+    curves: &'a [Curve],
+    found: Vec<(u32, f64)>,
+}
+
+impl Cutter<'_> {
+    /// Cuts a curve where it passes through a plane, and curves that pass through the same points.
+    fn join(&mut self, curve: u32, plane: &Plane, others: &[u32]) {
+        let shape = self.curves[curve as usize].shape;
+        for at in shape.through(plane) {
+            self.found.push((curve, at));
+            others.iter().for_each(|other| self.cut_under(*other, shape.point(at)));
+        }
+    }
+
+    /// Cuts two curves where they cross in the image, but for crossings that are close to points where they touch: arithmetic may find
+    /// two there, or none.
+    fn meet(&mut self, a: u32, b: u32, touched: &[DVec3]) {
+        let projection = self.solids.projection;
+        let projection = &projection;
+        let [one, other] = [a, b].map(|n| self.curves[n as usize]);
+        let found = match (one.shape, other.shape, other.kind) {
+            (Shape::Line(_), Shape::Circle(_), _) => return self.meet(b, a, touched),
+            (_, Shape::Line(line), _) => one.shape.through(&Plane::of_rays(&line, projection)),
+            (Shape::Circle(circle), _, Kind::Outline(n)) => circle.touching(&self.solids.balls[n as usize], projection),
+            (Shape::Circle(circle), Shape::Circle(rim), Kind::Rim { plane, .. }) => {
+                let cut = &self.solids.cuts[plane as usize];
+                match cut.is_edge_on {
+                    true => circle.through(&cut.plane),
+                    false => circle.meeting(&rim, &cut.plane, projection),
+                }
+            }
+            _ => Vec::new(),
+        };
+        for at in found {
+            let x = one.shape.point(at);
+            let is_close = |other: &DVec3| projection.place(*other).distance(projection.place(x)) < CLOSE;
+            if !touched.iter().any(is_close) {
+                self.found.push((a, at));
+                self.cut_under(b, x);
+            }
+        }
+    }
+
+    /// Cuts a curve where a point is seen.
+    fn cut_under(&mut self, curve: u32, x: DVec3) {
+        let (projection, Curve { shape, kind }) = (&self.solids.projection, self.curves[curve as usize]);
+        let found = match (shape, kind) {
+            (Shape::Line(line), _) => vec![line.under(x, projection)],
+            (Shape::Circle(circle), Kind::Outline(n)) => {
+                vec![circle.angle(Circle::touched(&self.solids.balls[n as usize], x, projection))]
+            }
+            (Shape::Circle(circle), Kind::Rim { plane, .. }) => {
+                let cut = &self.solids.cuts[plane as usize];
+                match cut.is_edge_on {
+                    true => circle.on_edge(x, &cut.plane, projection),
+                    false => vec![circle.under(x, &cut.plane, projection)],
+                }
+            }
+            (Shape::Circle(circle), _) => vec![circle.angle(x)],
+        };
+        self.found.extend(found.into_iter().filter(|at| at.is_finite()).map(|at| (curve, at)));
+    }
+}
+
+/// The curves of balls, and the balls that share cells with each.
+struct About<'a> {
+    balls: &'a [Ball],
+    planes: &'a [Cut],
+    outline_of: Vec<u32>,
+    rims_of: Vec<Vec<u32>>,
+    neighbors: Vec<Vec<u32>>,
+}
+
+impl About<'_> {
+    /// Cuts the circle in which two balls cross.
+    fn cut_crossing(&self, n: u32, cutter: &mut Cutter<'_>) {
+        let Self { balls, planes, outline_of, rims_of, neighbors } = self;
+        let Kind::Crossing(of) = cutter.curves[n as usize].kind else { return };
+        for k in of {
+            let contour = Plane::of_contour(&balls[k as usize], &cutter.solids.projection);
+            cutter.join(n, &contour, &[outline_of[k as usize]]);
+            for &rim in &rims_of[k as usize] {
+                if let Kind::Rim { plane, .. } = cutter.curves[rim as usize].kind {
+                    cutter.join(n, &planes[plane as usize].plane, &[rim]);
+                }
+                cutter.meet(n, rim, &[]);
+            }
+        }
+        let [a, b] = of.map(|k| &neighbors[k as usize]);
+        for &k in a.iter().filter(|k| !of.contains(k) && b.binary_search(k).is_ok()) {
+            cutter.join(n, &Plane::between(&balls[of[0] as usize], &balls[k as usize]), &[]);
+            cutter.meet(n, outline_of[k as usize], &[]);
+            rims_of[k as usize].iter().for_each(|rim| cutter.meet(n, *rim, &[]));
+        }
+    }
+
+    /// Cuts the circles in which planes cut a ball.
+    fn cut_rims(&self, n: u32, cutter: &mut Cutter<'_>) {
+        let Self { balls, planes, outline_of, rims_of, neighbors } = self;
+        let projection = &cutter.solids.projection;
+        for (k, &rim) in rims_of[n as usize].iter().enumerate() {
+            let contour = Plane::of_contour(&balls[n as usize], projection);
+            let shape = cutter.curves[rim as usize].shape;
+            let ends: Vec<f64> = shape.through(&contour);
+            for &at in &ends {
+                cutter.found.push((rim, at));
+                cutter.cut_under(outline_of[n as usize], shape.point(at));
+            }
+            for &other in &rims_of[n as usize][k + 1..] {
+                if let Kind::Rim { plane, .. } = cutter.curves[other as usize].kind {
+                    cutter.join(rim, &planes[plane as usize].plane, &[other]);
+                }
+                cutter.meet(rim, other, &[]);
+            }
+            for &b in &neighbors[n as usize] {
+                cutter.join(rim, &Plane::between(&balls[n as usize], &balls[b as usize]), &[]);
+                // Where an outline ends at a plane, one that is the same in the image may be seen.
+                let is_touched = |x: &DVec3| balls[b as usize].is_touched(projection, projection.place(*x));
+                let touched: Vec<DVec3> = ends.iter().map(|at| shape.point(*at)).filter(is_touched).collect();
+                touched.iter().for_each(|x| cutter.cut_under(outline_of[b as usize], *x));
+                cutter.meet(rim, outline_of[b as usize], &touched);
+                rims_of[b as usize].iter().filter(|_| n < b).for_each(|other| cutter.meet(rim, *other, &[]));
+            }
+        }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::circle::{Ball, Projection};
 use super::path::Step;
+use crate::inset::sheet::OPACITY;
 use glam::DVec2;
 use halfline::frame::srgb::level;
 use halfline::frame::tone::Toning;
@@ -16,10 +17,25 @@ pub(super) struct Page {
     pub(super) background: Option<[u8; 3]>,
     /// The colours from the middle of a sphere to its outline.
     pub(super) gradients: Vec<Vec<Stop>>,
-    /// The colour of the lines around paths; `None` for thin ones of the colours of the paths.
-    pub(super) line: Option<[u8; 3]>,
-    pub(super) line_width: f64,
+    /// The lines where the depth jumps.
+    pub(super) lines: Option<Lines>,
     pub(super) groups: Vec<Group>,
+}
+
+/// Lines over all paths.
+#[derive(Debug)]
+pub(super) struct Lines {
+    pub(super) color: [u8; 3],
+    pub(super) width: f64,
+    pub(super) steps: Vec<Step>,
+}
+
+/// The width of the lines that close the seams between paths, pixels.
+pub(super) const SEAM: f64 = 0.3;
+
+/// The opacity of paper in the space of sRGB, in which programs blend, so that it is on black as it is in pictures.
+pub(super) fn paper() -> f64 {
+    f64::from(level(OPACITY)) / 255.0
 }
 
 /// Paths with one name.

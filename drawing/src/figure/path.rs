@@ -20,6 +20,22 @@ pub(super) enum Step {
     Arc { ellipse: Ellipse, from: f64, way: f64, to: DVec2 },
 }
 
+/// A number to 1e-4, without zeros that say nothing.
+pub(super) fn number(x: f64) -> String {
+    let text = format!("{x:.4}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    match text.strip_prefix("0.").map(|digits| format!(".{digits}")) {
+        Some(short) => short,
+        None if text == "-0" => "0".into(),
+        None => text.into(),
+    }
+}
+
+/// The two numbers of a place.
+pub(super) fn numbers(at: DVec2) -> String {
+    format!("{} {}", number(at.x), number(at.y))
+}
+
 impl Regions {
     /// The path of a region, of closed lines.
     pub(super) fn path(&self, region: &Region, projection: &Projection) -> Vec<Step> {
@@ -31,6 +47,16 @@ impl Regions {
                 }
                 self.add(piece, projection, &mut path);
             }
+        }
+        path
+    }
+
+    /// The path of pieces, each of which begins a line.
+    pub(super) fn path_of_jumps(&self, projection: &Projection) -> Vec<Step> {
+        let mut path = Vec::new();
+        for piece in &self.jumps {
+            path.push(Step::Start(projection.place(self.shape(piece).point(piece.from))));
+            self.add(piece, projection, &mut path);
         }
         path
     }

@@ -31,12 +31,17 @@ pub(super) struct Region {
 pub(super) struct Regions {
     pub(super) curves: Vec<Curve>,
     pub(super) regions: Vec<Region>,
+    /// Pieces where the depth jumps, and around faces.
+    pub(super) jumps: Vec<Piece>,
     /// Ends of lines that were joined though nothing led from one to the other.
     pub(super) joined: usize,
 }
 
 /// The distance within which places are one, in units of the image.
 const SAME: f64 = 1e-7;
+
+/// The longest part of a curve for which one place tells whether the depth jumps there.
+const PART: f64 = 0.2;
 
 /// The surfaces on the left and on the right of a piece, whichever way the second axis of the image goes.
 type Sides = [Option<Surface>; 2];
@@ -126,6 +131,30 @@ impl Scene<'_> {
             }
             Kind::Rim { ball: n, plane } => self.sides_of_rim(curve, [n, plane], x, left),
             Kind::Ridge(planes) => self.sides_of_ridge(planes, x, left),
+        }
+    }
+
+    /// Adds the parts of a piece at which the depth jumps, and all of it beside a face.
+    fn add_jumps(&self, edge: &Edge, curves: &[Curve], least: f64, parts: &mut Vec<Piece>) {
+        let (Edge { piece, sides, .. }, Self { solids, cells, .. }) = (edge, self);
+        let Curve { shape, kind } = &curves[piece.curve as usize];
+        let has_face = sides.iter().flatten().any(|surface| surface.face.is_some());
+        let but = match kind {
+            _ if has_face && *kind != Kind::Edge => return parts.push(*piece),
+            Kind::Outline(n) | Kind::Rim { ball: n, .. } => [*n; 2],
+            _ => return,
+        };
+        let count = ((piece.to - piece.from) / PART).ceil().max(1.0);
+        let step = (piece.to - piece.from) / count;
+        for n in 0..count as u32 {
+            let from = piece.from + f64::from(n) * step;
+            let x = shape.point(from + 0.5 * step);
+            let question = Question { but, near: -x.z, ..Question::default() };
+            let other = solids.nearest(cells, solids.projection.place(x), question);
+            let gap = other.map_or(f64::INFINITY, |(depth, _)| depth + x.z);
+            if gap > least * solids.projection.pixel(-x.z) {
+                parts.push(Piece { from, to: from + step, ..*piece });
+            }
         }
     }
 
@@ -250,8 +279,9 @@ impl Places {
 }
 
 impl Regions {
-    /// The visible parts of solids within a window of the image. Surfaces of one key are one region.
-    pub(super) fn of(solids: &Solids, window: [DVec2; 2], key: impl Fn(Surface) -> Surface) -> Self {
+    /// The visible parts of solids within a window of the image. Surfaces of one key are one region. `jump` is the gap in depth, in pixels,
+    /// above which there is a jump; without one none is looked for.
+    pub(super) fn of(solids: &Solids, window: [DVec2; 2], jump: Option<f64>, key: impl Fn(Surface) -> Surface) -> Self {
         let cells = Cells::new(solids, window);
         let curves = Curves::new(solids, &cells, window);
         let scene = Scene { solids, cells, window };
@@ -266,8 +296,14 @@ impl Regions {
                 }
             }
         });
+        let jumps = jump.map(|least| {
+            let parts = parallel::collect(edges.len(), 64, &|range, parts: &mut Vec<Piece>| {
+                edges[range].iter().for_each(|edge| scene.add_jumps(edge, &curves.all, least, parts));
+            });
+            merged(parts, &curves.all, false)
+        });
         let (regions, joined) = lines(&edges, &curves.all, key);
-        Self { curves: curves.all, regions, joined }
+        Self { curves: curves.all, regions, jumps: jumps.unwrap_or_default(), joined }
     }
 }
 
@@ -320,7 +356,7 @@ fn lines(edges: &[Edge], curves: &[Curve], key: impl Fn(Surface) -> Surface) -> 
                     }
                 }
             }
-            lines.push(merged(line, curves));
+            lines.push(merged(line, curves, true));
         }
         regions.push(Region { surface, lines });
     }
@@ -331,8 +367,8 @@ fn shape<'a>(curves: &'a [Curve], piece: &Piece) -> &'a Shape {
     &curves[piece.curve as usize].shape
 }
 
-/// A closed line, in which pieces of a curve that follow each other are one.
-fn merged(line: Vec<Piece>, curves: &[Curve]) -> Vec<Piece> {
+/// A line, in which pieces of a curve that follow each other are one.
+fn merged(line: Vec<Piece>, curves: &[Curve], is_closed: bool) -> Vec<Piece> {
     let follows = |a: &Piece, b: &Piece| {
         let gap = match shape(curves, a) {
             Shape::Circle(_) => (a.to - b.from).rem_euclid(TAU),
@@ -347,7 +383,7 @@ fn merged(line: Vec<Piece>, curves: &[Curve]) -> Vec<Piece> {
             _ => all.push(piece),
         }
     }
-    if all.len() > 1 && follows(&all[all.len() - 1], &all[0]) {
+    if is_closed && all.len() > 1 && follows(&all[all.len() - 1], &all[0]) {
         let last = all.pop().unwrap_or(all[0]);
         all[0].from -= last.to - last.from;
     }

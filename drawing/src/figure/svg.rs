@@ -1,20 +1,25 @@
 //! Figures as SVG 1.1, with arcs as they are.
 
-use super::paint::{Page, Paint, Path, Stop};
-use super::path::Step;
+use super::paint::{Lines, Page, Paint, Path, SEAM, Stop, paper};
+use super::path::{Step, number, numbers};
 use super::xml;
 use crate::canvas::FONT;
-use crate::inset::sheet::{Halo, OPACITY, Shape, Sheet};
+use crate::inset::sheet::{Halo, Shape, Sheet};
 use glam::DVec2;
 use std::fmt::Write;
 
-/// The value of `d` of a path, in units of the picture to 1e-4.
+/// The value of `d` of a path of closed lines, in units of the picture to 1e-4.
 pub(super) fn d(path: &[Step]) -> String {
+    lines(path, "Z")
+}
+
+/// The same of lines that each end so.
+fn lines(path: &[Step], end: &str) -> String {
     let mut d = String::new();
     for (n, step) in path.iter().enumerate() {
         // Writing to a String does not fail.
         let _ = match step {
-            Step::Start(at) => write!(d, "{}M{}", if n > 0 { "Z" } else { "" }, numbers(*at)),
+            Step::Start(at) => write!(d, "{}M{}", if n > 0 { end } else { "" }, numbers(*at)),
             Step::Line(to) => write!(d, "L{}", numbers(*to)),
             Step::Arc { ellipse, way, to, .. } => {
                 let [a, b] = ellipse.axes;
@@ -23,21 +28,7 @@ pub(super) fn d(path: &[Step]) -> String {
             }
         };
     }
-    d + "Z"
-}
-
-fn number(x: f64) -> String {
-    let text = format!("{x:.4}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    match text.strip_prefix("0.").map(|digits| format!(".{digits}")) {
-        Some(short) => short,
-        None if text == "-0" => "0".into(),
-        None => text.into(),
-    }
-}
-
-fn numbers(at: DVec2) -> String {
-    format!("{} {}", number(at.x), number(at.y))
+    d + end
 }
 
 fn hex([red, green, blue]: [u8; 3]) -> String {
@@ -82,20 +73,20 @@ pub(super) fn write<'a>(page: &Page, panels: impl Iterator<Item = (DVec2, &'a Sh
         }
         svg += "</defs>\n";
     }
-    let line = page.line.map_or(String::new(), |color| format!(" stroke=\"{}\"", hex(color)));
-    let width = number(page.line_width);
-    let _ = writeln!(
-        svg,
-        "<g id=\"spheres\" fill-rule=\"evenodd\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{line}>"
-    );
+    let _ = writeln!(svg, "<g id=\"spheres\" fill-rule=\"evenodd\" stroke-width=\"{SEAM}\" stroke-linejoin=\"round\">");
     for group in &page.groups {
         if let Some(id) = &group.id {
             let _ = writeln!(svg, "<g id=\"{}\"{}>", xml::attribute(id), data(&group.data));
         }
-        group.paths.iter().for_each(|path| add(&mut svg, path, page.line.is_some()));
+        group.paths.iter().for_each(|path| add(&mut svg, path));
         svg += if group.id.is_some() { "</g>\n" } else { "" };
     }
     svg += "</g>\n";
+    if let Some(Lines { color, width, steps }) = page.lines.as_ref().filter(|lines| !lines.steps.is_empty()) {
+        let (color, width, d) = (hex(*color), number(*width), lines(steps, ""));
+        let style = "fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\"";
+        let _ = writeln!(svg, "<path id=\"lines\" {style} stroke=\"{color}\" stroke-width=\"{width}\" d=\"{d}\"/>");
+    }
     let mut panels = panels.peekable();
     if panels.peek().is_some() {
         let _ = writeln!(
@@ -112,21 +103,22 @@ fn data(data: &[(String, String)]) -> String {
     data.iter().map(|(name, value)| format!(" data-{name}=\"{}\"", xml::attribute(value))).collect()
 }
 
-fn add(svg: &mut String, Path { name, data: values, steps, paint }: &Path, has_line: bool) {
+fn add(svg: &mut String, Path { name, data: values, steps, paint }: &Path) {
     let paint = match paint {
         Paint::Flat(color) => hex(*color),
         Paint::Radial { .. } => format!("url(#g{name})"),
     };
     // A thin line of its own colour closes the seams between neighbours.
-    let line = if has_line { String::new() } else { format!(" stroke=\"{paint}\"") };
-    let _ = writeln!(svg, "<path id=\"{name}\"{} fill=\"{paint}\"{line} d=\"{}\"/>", data(values), d(steps));
+    let _ =
+        writeln!(svg, "<path id=\"{name}\"{} fill=\"{paint}\" stroke=\"{paint}\" d=\"{}\"/>", data(values), d(steps));
 }
 
 fn add_sheet(svg: &mut String, at: DVec2, sheet: &Sheet) {
     let _ = writeln!(svg, "<g transform=\"translate({})\">", numbers(at));
     if sheet.has_paper {
-        let [width, height] = sheet.size;
-        let _ = writeln!(svg, "<rect width=\"{width}\" height=\"{height}\" fill=\"#fff\" fill-opacity=\"{OPACITY}\"/>");
+        let ([width, height], paper) = (sheet.size, paper());
+        let _ =
+            writeln!(svg, "<rect width=\"{width}\" height=\"{height}\" fill=\"#fff\" fill-opacity=\"{paper:.3}\"/>");
     }
     let n = |x: f32| number(f64::from(x));
     for shape in &sheet.shapes {

@@ -195,7 +195,7 @@ fn cut(case: u64, at: [f64; 3], spheres: &mut Spheres) -> &'static str {
 struct Count {
     places: u32,
     close: u32,
-    joined: usize,
+    joined: u64,
     faces: usize,
     wrong: Vec<String>,
 }
@@ -316,4 +316,109 @@ fn what_has_no_ellipses_is_refused() {
         Figure::new(scene, FigureStyle::default(), None).err().map(|error| error.to_string()).unwrap_or_default()
     };
     assert!(words(&inside).contains("across the plane of the eye"), "{}", words(&inside));
+}
+
+/// Three spheres in two groups, of which two have one colour and cross.
+fn three() -> Scene {
+    let mut spheres = Spheres::default();
+    for ([x, y, z], color) in [([-0.5, 0.0, 0.0], 0.9), ([0.5, 0.0, 0.0], 0.9), ([0.0, 2.0, 0.0], 0.2)] {
+        spheres.push([x, y, z], 0.8, Some([color, 0.1, 0.1]));
+    }
+    scene(spheres, [0.0; 3], Lens::Orthographic { height: 8.0 })
+}
+
+fn attributes(svg: &str, tag: &str, name: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(svg).expect("well-formed XML");
+    let tags = document.descendants().filter(|node| node.has_tag_name(tag));
+    tags.filter_map(|node| node.attribute(name).map(str::to_owned)).collect()
+}
+
+#[test]
+fn paths_have_names_and_groups() {
+    let value = |column: usize, id: u32| match column {
+        0 => ["a<1>", "a<1>", "b"][id as usize].to_owned(),
+        _ => format!("\"{id}\""),
+    };
+    let names = FigureNames { columns: vec!["Chain".into(), "atom name".into()], groups: 1, value: &value };
+    let style = FigureStyle::default();
+    let svg = |shade: Shade, names: &FigureNames<'_>| {
+        Figure::new(&three(), FigureStyle { shade, ..style }, Some(names)).expect("a figure").svg(None)
+    };
+    let lit = svg(Shade::Headlight, &names);
+    assert_eq!(attributes(&lit, "g", "data-Chain"), ["a<1>", "b"]);
+    assert_eq!(attributes(&lit, "path", "id").len(), 3);
+    assert_eq!(attributes(&lit, "path", "data-atom-name").iter().filter(|value| *value == "\"2\"").count(), 1);
+    // Of one colour in one group, and without a line between them.
+    let flat = svg(Shade::Flat, &names);
+    assert_eq!(attributes(&flat, "path", "id"), ["s0", "s2"]);
+    assert!(attributes(&flat, "radialGradient", "id").is_empty());
+    let alone = svg(Shade::Flat, &FigureNames { groups: 0, ..names });
+    assert_eq!(attributes(&alone, "path", "id"), ["s0", "s1", "s2"]);
+    // Colours of a sphere from its middle to its outline: one list for each of two, one gradient for each of three.
+    assert_eq!(attributes(&lit, "radialGradient", "id").len(), 2 + 3);
+}
+
+#[test]
+fn gradients_are_the_light_of_a_headlight() {
+    let style = FigureStyle::default();
+    for own in [[1.0; 3], [0.5, 0.02, 0.9], [0.0; 3]] {
+        let stops = paint::gradient(own, style.toning);
+        for n in 0..1000 {
+            let share = f64::from(n) / 1000.0;
+            let k = stops.iter().position(|stop| stop.at > share).expect("a stop at 1");
+            let [a, b] = [stops[k - 1], stops[k]];
+            let lit = paint::lit(own, (1.0 - share * share).sqrt(), style.toning);
+            let along = (share - a.at) / (b.at - a.at);
+            for c in 0..3 {
+                let level = f64::from(a.color[c]) + along * (f64::from(b.color[c]) - f64::from(a.color[c]));
+                // Two levels by the choice of the stops, and one between the places that it looks at.
+                assert!((level - f64::from(lit[c])).abs() <= 3.0, "{own:?} at {share}: {level}, not {}", lit[c]);
+            }
+        }
+        assert!(stops.len() < 32, "{} stops", stops.len());
+    }
+}
+
+#[test]
+fn cubic_curves_are_near_their_ellipses() {
+    let mut rng = Rng(9);
+    let mut most = 0.0_f64;
+    for _ in 0..2000 {
+        let a = 10.0_f64.powf(rng.between(-2.0, 4.0));
+        let axes = [a, a * rng.unit()];
+        let (from, way) = (rng.between(-3.0, 3.0), rng.between(-2.6, 2.6));
+        let at = |angle: f64| DVec2::new(axes[0] * angle.cos(), axes[1] * angle.sin());
+        let mut start = at(from);
+        for [p, q, end] in pdf::cubics(axes, from, way) {
+            for n in 1..=16 {
+                let t = f64::from(n) / 16.0;
+                let s = 1.0 - t;
+                let x = s * s * s * start + 3.0 * s * s * t * p + 3.0 * s * t * t * q + t * t * t * end;
+                // The point of the ellipse at the same angle is not the nearest one.
+                let on = at((x.y / axes[1]).atan2(x.x / axes[0]));
+                most = most.max(x.distance(on));
+            }
+            start = end;
+        }
+        assert!(start.distance(at(from + way)) < 1e-9 * a.max(1.0));
+    }
+    println!("cubic curves within {most}");
+    assert!(most < 5.1e-5, "{most}");
+}
+
+#[test]
+fn files_are_whole() {
+    let outline = Some(Outline::default());
+    let figure = Figure::new(&three(), FigureStyle { outline, dpi: Some(300), ..FigureStyle::default() }, None);
+    let figure = figure.expect("a figure");
+    let svg = figure.svg(None);
+    // 96 pixels of 300 in an inch of 25.4 mm.
+    assert_eq!(attributes(&svg, "svg", "width"), ["8.128mm"]);
+    assert_eq!(attributes(&svg, "path", "id").last().map(String::as_str), Some("lines"));
+    let pdf = figure.pdf(None);
+    assert!(pdf.starts_with(b"%PDF-1.7") && pdf.ends_with(b"%%EOF"), "{} bytes", pdf.len());
+    let text = String::from_utf8_lossy(&pdf);
+    assert!(text.contains("/MediaBox [0 0 23.04 17.28]"), "{text}");
+    let transparent = Figure::new(&three(), FigureStyle { transparent: true, ..FigureStyle::default() }, None);
+    assert!(attributes(&transparent.expect("a figure").svg(None), "rect", "fill").is_empty());
 }

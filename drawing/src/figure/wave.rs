@@ -96,14 +96,26 @@ fn sign_changes(of: &[f64]) -> Vec<f64> {
         if sign == (value(high) < 0.0) {
             continue;
         }
+        // Newton's steps, or halves of the bracket where they lead out of it.
+        let mut t = 0.5 * (low + high);
         for _ in 0..128 {
-            let middle = 0.5 * (low + high);
-            if middle <= low || middle >= high {
+            let (mut at, mut rise) = (0.0, 0.0);
+            for x in of.iter().rev() {
+                (at, rise) = (at * t + x, rise * t + at);
+            }
+            if (at < 0.0) == sign {
+                low = t
+            } else {
+                high = t
+            }
+            let newton = t - at / rise;
+            let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };
+            if next == t || !(next >= low && next <= high) {
                 break;
             }
-            if (value(middle) < 0.0) == sign { low = middle } else { high = middle }
+            t = next;
         }
-        roots.push(0.5 * (low + high));
+        roots.push(t);
     }
     roots
 }

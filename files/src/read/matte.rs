@@ -1,8 +1,8 @@
-//! The names of spheres in a Cryptomatte layer: their numbers, or the values of columns.
+//! The names of spheres in a Cryptomatte layer, and of the paths of a figure: their numbers, or the values of columns.
 
 use super::sequence::SceneFrame;
 use halfline::error::{Error, Result};
-use halfline::quote::setting::CRYPTOMATTE;
+use halfline::quote::setting::{CRYPTOMATTE, GROUP};
 use halfline::quote::{list, quote};
 use halfline_particles::{ColumnValue, Columns};
 use std::sync::Arc;
@@ -10,6 +10,9 @@ use std::sync::Arc;
 /// The words of selections for the columns that tell residues apart, in the order of their names; those of one part of the name
 /// together.
 const RESIDUE: [&[&str]; 4] = [&["chain"], &["segid"], &["resname"], &["resid", "icode"]];
+
+/// The columns of which the paths of a figure have the values, where a file has them.
+const KNOWN: [&str; 4] = ["name", "element", "residue", "chain"];
 
 /// The name of a sphere whose column has no text.
 const BLANK: &str = "(blank)";
@@ -39,11 +42,11 @@ impl MatteNames {
     ///
     /// # Errors
     /// [`Error::Settings`] for a column that is not there.
-    fn of(word: &str, columns: &Arc<Columns>, particles: usize) -> Result<Self> {
+    fn of(setting: &str, word: &str, columns: &Arc<Columns>, particles: usize) -> Result<Self> {
         let name = |word: &str| columns.get(word).map(|(name, _)| name.to_owned());
         let known = |word: &str| {
             name(word).map_err(|_| {
-                let problem = format!("{CRYPTOMATTE} names spheres by {}, and there is no such column", quote(word));
+                let problem = format!("{setting} names spheres by {}, and there is no such column", quote(word));
                 Error::settings(problem, format!("use id, or a column: {}", list(columns.names())))
             })
         };
@@ -118,14 +121,33 @@ impl SceneFrame {
     /// [`Error::Settings`] for a column that is not there, and for two layers of one name.
     pub fn matte_names(&self, words: &[String]) -> Result<Vec<MatteNames>> {
         let particles = self.scene.spheres.len() - self.beads;
-        let all =
-            words.iter().map(|word| MatteNames::of(word, &self.columns, particles)).collect::<Result<Vec<_>>>()?;
+        let all = words
+            .iter()
+            .map(|word| MatteNames::of(CRYPTOMATTE, word, &self.columns, particles))
+            .collect::<Result<Vec<_>>>()?;
         for (n, names) in all.iter().enumerate() {
             if all[..n].iter().any(|other| other.layer == names.layer) {
                 let problem = format!("two layers of {CRYPTOMATTE} are {}", quote(&names.layer));
                 return Err(Error::settings(problem, format!("give {CRYPTOMATTE} each column once")));
             }
         }
+        Ok(all)
+    }
+
+    /// The names of the spheres by the columns of the groups of a figure, and then by those of [`KNOWN`] that the file has: words and names.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for a column of a group that is not there.
+    pub fn path_names(&self, groups: &[String]) -> Result<Vec<(String, MatteNames)>> {
+        let particles = self.scene.spheres.len() - self.beads;
+        let names = |word: &str| Ok((word.to_lowercase(), MatteNames::of(GROUP, word, &self.columns, particles)?));
+        let mut all = groups.iter().map(|word| names(word)).collect::<Result<Vec<_>>>()?;
+        all.extend(
+            KNOWN
+                .iter()
+                .filter(|word| !groups.iter().any(|group| group.eq_ignore_ascii_case(word)))
+                .filter_map(|word| names(word).ok()),
+        );
         Ok(all)
     }
 }

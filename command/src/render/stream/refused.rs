@@ -19,7 +19,7 @@ const LENS: &str = "a lens with a size sees spheres that a stream has forgotten"
 pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>) -> Result<()> {
     let SceneArgs { camera, files, insets, image, .. } = args;
     let has_size = camera.lens.has_size() || taken.is_some_and(|record| record.lens_size().is_some());
-    let refusals: [Refusal; 12] = [
+    let refusals: [Refusal; 13] = [
         (
             args.is_many(),
             "a stream is one picture",
@@ -59,6 +59,11 @@ pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>)
             args.open_width().is_some(),
             "an open height is that of all spheres in memory",
             "give a height with --size, or remove --stream",
+        ),
+        (
+            files.figure().is_some(),
+            "a figure without pixels needs all spheres in memory",
+            "use a picture, or remove --stream",
         ),
         (files.model().is_some(), "a model has all spheres", "use a picture, or remove --stream"),
         (

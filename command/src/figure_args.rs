@@ -1,0 +1,118 @@
+//! Figures without pixels as options: their groups and their detail.
+
+use super::file_args::FileArgs;
+use super::scene_args::SceneArgs;
+use super::typed::Typed;
+use clap::Args;
+use halfline::error::{Error, Result};
+use halfline::quote::setting::{CROP, DEPTH_CUE_STRENGTH, DETAIL, GROUP, SAMPLES, TILE};
+use halfline::report::FigureCounts;
+use halfline::settings::Settings;
+use halfline_drawing::figure::FigureStyle;
+use std::path::Path;
+
+/// The options for figures without pixels.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(super) struct FigureArgs {
+    #[command(flatten)]
+    typed: Typed,
+    /// Divides the paths of a figure (.svg, .pdf) into groups by a column, such as residue, chain or element; several give groups of all
+    /// their values. With --shade flat all of one colour in a group is one path [default: a path for each sphere].
+    #[arg(long, value_name = "COLUMN")]
+    pub(super) group: Vec<String>,
+    /// Leaves out of a figure what is smaller than so many pixels [default: 0.1].
+    #[arg(long, value_name = "PIXELS", value_parser = detail, allow_negative_numbers = true)]
+    detail: Option<f64>,
+}
+
+/// The largest detail, pixels.
+const MOST_DETAIL: f64 = 100.0;
+
+fn detail(text: &str) -> Result<f64, String> {
+    let pixels = text.parse().ok().filter(|pixels| (0.0..=MOST_DETAIL).contains(pixels));
+    pixels.ok_or_else(|| format!("expected a number of pixels from 0 to {MOST_DETAIL}"))
+}
+
+impl FigureArgs {
+    /// The columns of the groups.
+    pub(super) fn groups(&self) -> &[String] {
+        let is_sphere = self.group.iter().all(|word| word.eq_ignore_ascii_case("sphere"));
+        if is_sphere { &[] } else { &self.group }
+    }
+
+    /// The look of a figure with the settings of its picture.
+    pub(super) fn style(&self, settings: &Settings, transparent: bool, dpi: Option<u32>) -> FigureStyle {
+        FigureStyle {
+            shade: settings.shade,
+            toning: halfline::frame::tone::Toning { tone: settings.tone.unwrap_or_default(), stops: settings.exposure },
+            outline: settings.silhouette.then_some(settings.outline),
+            transparent,
+            detail: self.detail.unwrap_or(FigureStyle::DETAIL),
+            dpi,
+        }
+    }
+
+    /// Checks the options against the output files.
+    ///
+    /// # Errors
+    /// [`Error::Settings`] for options of figures without one, and for a figure of a part of a picture, or with samples.
+    pub(super) fn check(&self, args: &SceneArgs, files: &FileArgs) -> Result<()> {
+        let given = [("group", GROUP), ("detail", DETAIL)].into_iter().find(|(id, _)| self.typed.has(id));
+        match (given, files.figure()) {
+            (Some((_, option)), None) => {
+                let problem = format!("{option} is of a figure without pixels, and none is written");
+                Err(Error::settings(problem, "use -o with the file name extension .svg or .pdf, or remove it"))
+            }
+            (_, Some(_)) => {
+                let is_sampled = args.typed.has("samples");
+                let cases = [
+                    (args.image.is_part(), format!("{CROP} and {TILE} are parts of a picture")),
+                    (files.trim, "--trim cuts pixels off".to_owned()),
+                    (is_sampled, format!("{SAMPLES} are of pixels")),
+                ];
+                match cases.into_iter().find(|(is_given, _)| *is_given) {
+                    Some((_, why)) => {
+                        Err(Error::settings(format!("a figure has no pixels: {why}"), "remove it, or write a PNG"))
+                    }
+                    None => Ok(()),
+                }
+            }
+            (None, None) => Ok(()),
+        }
+    }
+}
+
+/// Returns an error for what only pixels show.
+///
+/// # Errors
+/// [`Error::Settings`] for a lens with a size and for a depth cue.
+pub(super) fn check_settings(settings: &Settings) -> Result<()> {
+    let cases = [
+        (settings.aperture.is_some(), "a lens with a size blurs", "remove the aperture".to_owned()),
+        (settings.depth_cue, "a depth cue changes colours with depth", format!("remove it and {DEPTH_CUE_STRENGTH}")),
+    ];
+    match cases.into_iter().find(|(is_given, ..)| *is_given) {
+        Some((_, problem, mend)) => {
+            Err(Error::settings(format!("a figure without pixels: {problem}"), format!("{mend}, or write a PNG")))
+        }
+        None => Ok(()),
+    }
+}
+
+/// A sentence on a figure that is written.
+pub(super) fn words(path: &Path, counts: FigureCounts) -> String {
+    let FigureCounts { paths, small, bytes, .. } = counts;
+    let left_out =
+        if small > 0 { format!("; {small} parts are smaller than {DETAIL} and are left out") } else { String::new() };
+    let size = bytes as f64 / 1e3;
+    format!("{} has {paths} paths, {size:.0} kB{left_out}", path.display())
+}
+
+/// A warning about lines that f64 did not close.
+pub(super) fn warning(counts: FigureCounts) -> Option<String> {
+    let joined = counts.joined;
+    (joined > 0).then(|| {
+        format!("{joined} lines of the figure are closed by straight ones: f64 does not tell where they go on")
+    })
+}
