@@ -1,6 +1,7 @@
 //! The choices of a reading and of a picture, by options of the command, for scenes that another program has in memory: the keywords of the
 //! Python package are these options, and nothing else understands them.
 
+use super::figure_args;
 use super::framing;
 use super::legend;
 use super::messages::flags;
@@ -20,6 +21,7 @@ use halfline::render::stream::{Part, PartView, Visible};
 use halfline::scene::arrange::Arrangement;
 use halfline::scene::{Cell, Cuts, Framing, Scene};
 use halfline::settings::{Backend, Settings};
+use halfline_drawing::figure::Figure;
 use halfline_drawing::inset::Panels;
 use halfline_files::read::cut::CutRules;
 use halfline_files::read::matte::MatteNames;
@@ -75,6 +77,16 @@ pub struct Rendered {
     pub mattes: Vec<MatteNames>,
     /// Whether files of its colour have an alpha.
     pub transparent: bool,
+}
+
+/// A figure without pixels, and what is drawn over it.
+pub struct ChosenFigure {
+    /// The figure.
+    pub figure: Figure,
+    /// The insets; `None` without any.
+    pub panels: Option<Panels>,
+    /// Warnings, in whole sentences.
+    pub warnings: Vec<String>,
 }
 
 /// The parser, and the options that it has read.
@@ -189,13 +201,28 @@ impl Choices {
         Ok(Settings { window, samples: self.args.image.samples().unwrap_or(settings.samples), ..settings })
     }
 
+    /// The figure without pixels of a scene; the options name its file.
+    ///
+    /// # Errors
+    /// Those of [`Self::picture`], and of what a figure cannot show.
+    pub fn figure(&self, scene: ChosenScene<'_>) -> Result<ChosenFigure> {
+        self.args.figure.check(&self.args, &self.args.files)?;
+        let picture = self.picture(scene, &[], Backend::Cpu)?;
+        let figure = figure_args::figure(&self.args, &picture.picture, &picture.settings)?;
+        // Marks are at pixels that show what they name.
+        let Rendered { frame, panels, .. } = picture.render(&mut Renderer::new(&picture.settings)?)?;
+        let mut warnings = frame.report.warnings;
+        warnings.extend(figure_args::warning(figure.counts()));
+        Ok(ChosenFigure { figure, panels, warnings })
+    }
+
     /// The picture of a scene with these buffers, on a renderer for this backend.
     ///
     /// # Errors
     /// Errors of the camera, of the lens, of the light and of what is drawn into the picture.
     pub fn picture<'a>(&'a self, scene: ChosenScene<'_>, aovs: &[Aov], backend: Backend) -> Result<ChosenPicture<'a>> {
         let ChosenScene { mut frame, edges, is_outlined, file, colored_by, part } = scene;
-        let (args, has_picture) = (&self.args, aovs.contains(&Aov::Color));
+        let (args, has_picture) = (&self.args, aovs.contains(&Aov::Color) || self.args.is_figure());
         args.insets.check_place(
             args.image.is_part(),
             has_picture,

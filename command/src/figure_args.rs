@@ -1,14 +1,17 @@
 //! Figures without pixels as options: their groups and their detail.
 
 use super::file_args::FileArgs;
+use super::picture_scene::PictureScene;
 use super::scene_args::SceneArgs;
 use super::typed::Typed;
 use clap::Args;
 use halfline::error::{Error, Result};
+use halfline::frame::tone::Toning;
 use halfline::quote::setting::{CROP, DEPTH_CUE_STRENGTH, DETAIL, GROUP, SAMPLES, TILE};
 use halfline::report::FigureCounts;
 use halfline::settings::Settings;
-use halfline_drawing::figure::FigureStyle;
+use halfline_drawing::figure::{Figure, FigureNames, FigureStyle};
+use halfline_files::write::format::Dpi;
 use std::path::Path;
 
 /// The options for figures without pixels.
@@ -41,18 +44,6 @@ impl FigureArgs {
         if is_sphere { &[] } else { &self.group }
     }
 
-    /// The look of a figure with the settings of its picture.
-    pub(super) fn style(&self, settings: &Settings, transparent: bool, dpi: Option<u32>) -> FigureStyle {
-        FigureStyle {
-            shade: settings.shade,
-            toning: halfline::frame::tone::Toning { tone: settings.tone.unwrap_or_default(), stops: settings.exposure },
-            outline: settings.silhouette.then_some(settings.outline),
-            transparent,
-            detail: self.detail.unwrap_or(FigureStyle::DETAIL),
-            dpi,
-        }
-    }
-
     /// Checks the options against the output files.
     ///
     /// # Errors
@@ -83,21 +74,33 @@ impl FigureArgs {
     }
 }
 
-/// Returns an error for what only pixels show.
+/// The figure of a picture.
 ///
 /// # Errors
-/// [`Error::Settings`] for a lens with a size and for a depth cue.
-pub(super) fn check_settings(settings: &Settings) -> Result<()> {
+/// [`Error::Settings`] for a lens with a size and for a depth cue; errors of [`Figure::new`].
+pub(super) fn figure(args: &SceneArgs, picture: &PictureScene, settings: &Settings) -> Result<Figure> {
     let cases = [
         (settings.aperture.is_some(), "a lens with a size blurs", "remove the aperture".to_owned()),
         (settings.depth_cue, "a depth cue changes colours with depth", format!("remove it and {DEPTH_CUE_STRENGTH}")),
     ];
-    match cases.into_iter().find(|(is_given, ..)| *is_given) {
-        Some((_, problem, mend)) => {
-            Err(Error::settings(format!("a figure without pixels: {problem}"), format!("{mend}, or write a PNG")))
-        }
-        None => Ok(()),
+    if let Some((_, problem, mend)) = cases.into_iter().find(|(is_given, ..)| *is_given) {
+        return Err(Error::settings(format!("a figure without pixels: {problem}"), format!("{mend}, or write a PNG")));
     }
+    let style = FigureStyle {
+        shade: settings.shade,
+        toning: Toning { tone: settings.tone.unwrap_or_default(), stops: settings.exposure },
+        outline: settings.silhouette.then_some(settings.outline),
+        transparent: args.files.transparent,
+        detail: args.figure.detail.unwrap_or(FigureStyle::DETAIL),
+        dpi: args.dpi().map(Dpi::per_inch),
+    };
+    let names = &picture.path_names;
+    let names = FigureNames {
+        columns: names.iter().map(|(word, _)| word.clone()).collect(),
+        groups: args.figure.groups().len(),
+        value: &|column, id| names[column].1.name(id),
+    };
+    Figure::new(&picture.scene, style, Some(&names))
 }
 
 /// A sentence on a figure that is written.

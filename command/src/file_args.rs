@@ -49,7 +49,7 @@ pub(super) struct FileArgs {
     /// Bits per component in PNG and TIFF: 8, 16.
     #[arg(long, value_name = "N", default_value = "8")]
     bits: Bits,
-    /// Pixels per inch, stored in .png, .tif, .jpg and .webp for print; the number of pixels is that of --size, or follows from
+    /// Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; the number of pixels is that of --size, or follows from
     /// a size in millimetres.
     #[arg(long, value_name = "N")]
     pub(super) dpi: Option<Dpi>,

@@ -241,6 +241,8 @@ fn of_call(call: Call) -> impl Iterator<Item = &'static OptionRow> {
     options().filter(move |row| match row.python {
         Keyword(Render, ..) if call == Call::Sieve => row.uses & NO_PART == 0,
         Keyword(Render, ..) if call == Call::Vector => true,
+        // Of the size on paper.
+        Keyword(Save, ..) if call == Call::Vector => row.id == "dpi",
         Keyword(of, ..) => of == call && row.id != "frames",
         _ => false,
     })

@@ -25,11 +25,12 @@ from .atoms import from_ase, from_mdanalysis
 from .camera import Camera, read_cameras
 from .columns import Columns
 from .frame import Frame
-from .options import Aov, Options, PartOptions, ReadOptions, SaveOptions
+from .options import Aov, Options, PartOptions, ReadOptions, SaveOptions, VectorOptions
 from .parts import Part, Sieve, combine, sift
 from .renderer import Echoes, Hits, Occlusion, Renderer, measure, plan, render, trace
 from .reports import adapters, info
 from .scene import Scene, read, read_frames
+from .vector import Vector
 
 __all__ = [
     "AccuracyError",
@@ -49,6 +50,8 @@ __all__ = [
     "SaveOptions",
     "Scene",
     "Sieve",
+    "Vector",
+    "VectorOptions",
     "__version__",
     "adapters",
     "combine",

@@ -356,8 +356,8 @@ class SaveOptions(TypedDict, total=False):
     bits: Literal[8, 16]
     """Bits per component in PNG and TIFF: 8, 16 [default: 8]."""
     dpi: float | None
-    """Pixels per inch, stored in .png, .tif, .jpg and .webp for print; the number of pixels is
-    that of size, or follows from a size in millimetres.
+    """Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; the number of
+    pixels is that of size, or follows from a size in millimetres.
     """
     trim: bool
     """Cuts the borders in which nothing is shown off the picture and all buffers; what remains
@@ -370,4 +370,20 @@ class SaveOptions(TypedDict, total=False):
     no_return: Literal["inf", "nan", "zero"]
     """Distance and depth of a miss: inf, nan (as in ROS), zero (as in OpenCV); in PNG always 0
     [default: inf].
+    """
+
+
+class VectorOptions(Options, total=False):
+    """Keywords of `Scene.vector`: those of a rendering, and its own."""
+
+    group: str | Iterable[str]
+    """Divides the paths of a figure (.svg, .pdf) into groups by a column, such as residue, chain
+    or element; several give groups of all their values. With shade flat all of one colour in a
+    group is one path [default: a path for each sphere].
+    """
+    detail: float
+    """Leaves out of a figure what is smaller than so many pixels [default: 0.1]."""
+    dpi: float | None
+    """Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; the number of
+    pixels is that of size, or follows from a size in millimetres.
     """

@@ -28,7 +28,8 @@ from ._source import Source
 from .camera import Camera, native_camera
 from .columns import Columns
 from .frame import Frame
-from .options import Options, Path, ReadOptions
+from .options import Options, Path, ReadOptions, VectorOptions
+from .vector import Vector
 
 if TYPE_CHECKING:
     from .page import Page
@@ -359,6 +360,26 @@ class Scene:
         """
         found = self._native.cell
         return None if found is None else (np.array(found[0]), np.array(found[1]))
+
+    def vector(self, camera: Camera | None = None, **options: Unpack[VectorOptions]) -> Vector:
+        """A figure without pixels: the visible part of every sphere as a path of arcs, as
+        ``halfline render -o FILE.svg``. What only pixels show, such as shadows and opacity, is
+        refused.
+
+        Args:
+            camera: The camera; by default that of the scene.
+            **options: Keywords of a rendering, ``group``, ``detail`` and ``dpi``.
+
+        Raises:
+            ValueError: for spheres around the eye or across its plane, and for options that a
+                figure cannot show.
+
+        >>> scene = Scene([[0, 0, 0], [1, 0.5, 0]], 1.0)
+        >>> figure = scene.vector(size=(200, 150), shade="flat")
+        >>> figure.paths
+        2
+        """
+        return Vector(self, camera, options)
 
     def save(self, path: Path, camera: Camera | None = None) -> None:
         """Writes the spheres as a model: points with radii and colours, for Blender and other

@@ -22,6 +22,7 @@ mod scan;
 mod scene;
 mod shared;
 mod trace;
+mod vector;
 mod view;
 mod words;
 mod work;
@@ -65,6 +66,8 @@ mod _halfline {
     use super::scene::Scene;
     #[pymodule_export]
     use super::trace::trace;
+    #[pymodule_export]
+    use super::vector::Figure;
     #[pymodule_export]
     use super::view::{Desk, Question, page, pose, save_page, widget_module, widget_style};
     use pyo3::prelude::*;

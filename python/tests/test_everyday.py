@@ -258,7 +258,7 @@ UNREACHED = {"stream", "zoom"}
 
 def test_every_setting_that_the_library_names_is_a_keyword() -> None:
     keywords: set[str] = set()
-    for options in (hl.Options, hl.ReadOptions, hl.SaveOptions):
+    for options in (hl.Options, hl.ReadOptions, hl.SaveOptions, hl.VectorOptions):
         keywords |= set(options.__annotations__)
     for call in (
         hl.read,

@@ -31,6 +31,8 @@ ELSEWHERE = {
     "crop": "test_render.py has it",
     "unit": "test_render.py saves depths",
     "no_return": "test_render.py saves depths",
+    "group": "test_vector.py compares figures",
+    "detail": "test_vector.py compares figures",
 }
 
 # The names of settings that have another one in Python.

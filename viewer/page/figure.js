@@ -62,7 +62,7 @@ function program() {
       const [x0, y0, x1, y1] = body.window ?? [0, 0, ...body.size ?? [0, 0]];
       // Further workers do not delay the first picture.
       if (route === "/frame" && begun) begun = this.help(begun, spheres);
-      if (type === "image/png") return { status, blob: new Blob([bytes], { type }), info: JSON.parse(info) };
+      if (["image/png", "image/svg+xml", "application/pdf"].includes(type)) return { status, blob: new Blob([bytes], { type }), info: JSON.parse(info) };
       if (type === "image/x-rgba") return { status, pixels: new ImageData(new Uint8ClampedArray(bytes.buffer), x1 - x0, y1 - y0), info: JSON.parse(info) };
       const json = bytes.length ? JSON.parse(new TextDecoder().decode(bytes)) : null;
       if (route === "/scene") {

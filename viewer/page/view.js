@@ -469,20 +469,22 @@ export function mount(root, transport, options = {}) {
     if (at !== version) return whenStill();
     return still = blob;
   }
-  // A picture of `k` times the pixels of a side, by a worker that renders nothing else meanwhile.
-  async function enlarged(k, legend) {
+  // A picture of `k` times the pixels of a side, or a figure, by a worker that renders nothing else meanwhile.
+  async function enlarged(k, legend, kind) {
     const size = fullSize().map((x) => k * x), all = legend ? { ...choices(), legend_in: ["right"] } : choices();
-    const request = { ...body("still", size), seq: LAST, options: all };
+    const request = { ...body(kind === "png" ? "still" : kind, size), seq: LAST, options: all };
     say(`Rendering ${size[0]} x ${size[1]}`, false, true);
     const { blob } = await ask("/frame", request, transport.saver?.(true)).finally(() => transport.saver?.(false));
     say("");
     return blob;
   }
-  async function save(k = 1, legend = false) {
-    const blob = await (k === 1 && !legend ? whenStill() : enlarged(k, legend)).catch(complain);
+  // A still `k` times as wide and high, or a figure without pixels, as a file of this kind.
+  async function save(k = 1, legend = false, kind = "png") {
+    const isStill = kind === "png" && k === 1 && !legend;
+    const blob = await (isStill ? whenStill() : enlarged(k, legend, kind)).catch(complain);
     if (!blob) return;
     const href = URL.createObjectURL(blob), stem = scene.file.replace(/(.)\.[^.]*$/, "$1");
-    make("a", { href, download: `${stem}${scene.frames === 1 ? "" : `-${frame}`}${k === 1 ? "" : `-${k}x`}.png` }).click();
+    make("a", { href, download: `${stem}${scene.frames === 1 ? "" : `-${frame}`}${k === 1 ? "" : `-${k}x`}.${kind}` }).click();
     setTimeout(() => URL.revokeObjectURL(href), 60000);
   }
   function chooseSize() {
@@ -490,7 +492,9 @@ export function mount(root, transport, options = {}) {
     const box = make("input", { type: "checkbox", checked: hasLegend });
     const size = (k) => button(`${k * width} x ${k * height}`, `Save ${k} times the width and height as PNG`, () => { closeDialog(); save(k, box.checked); });
     const sizes = [1, 2, 4].filter((k) => k === 1 || k * k * width * height <= MOST_SAVED).map(size);
-    open("Save as PNG", div("choices", {}, ...sizes), ...hasLegend ? [make("label", {}, box, " with the legend")] : []);
+    const figure = (kind) => button(kind.toUpperCase(), `Save as ${kind.toUpperCase()}: a figure without pixels, with a light at the eye`,
+      () => { closeDialog(); save(1, box.checked, kind); });
+    open("Save as PNG, or without pixels", div("choices", {}, ...sizes, ...["svg", "pdf"].map(figure)), ...hasLegend ? [make("label", {}, box, " with the legend")] : []);
   }
 
   // Keys.
@@ -533,7 +537,7 @@ export function mount(root, transport, options = {}) {
   const play = keyed(" ", "Play");
   film.append(keyed("ArrowLeft", "‹"), play, keyed("ArrowRight", "›"), slider, number);
   buttons.append(keyed("v", "Controls"), keyed("f", "Fit"), button("Copy", "Copy the command or the Python of the picture", chooseText),
-    button("Save", "Save the picture as PNG, in a size (s: this one)", chooseSize), keyed("?", "?"));
+    button("Save", "Save the picture as PNG, SVG or PDF (s: this one as PNG)", chooseSize), keyed("?", "?"));
   const HANDS = [
     "Drag, one finger: turn about the pivot", "Right, middle or Shift drag, two fingers: shift the picture",
     "Wheel, pinch: zoom toward the pointer", "Click, tap: pick a sphere",

@@ -1,5 +1,8 @@
 import { mount } from "./view.js";
 
+// The files of the modes; while a camera moves they are JPEG.
+const TYPES = { still: "image/png", svg: "image/svg+xml", pdf: "application/pdf" };
+
 // The page in a notebook: requests are messages {id, route, body} of the comm, answers {id, status, json or info} with the
 // picture as the first buffer.
 function commTransport(model) {
@@ -13,7 +16,7 @@ function commTransport(model) {
   model.on("msg:custom", receive);
   return {
     request: (route, body) => new Promise((resolve) => {
-      waiting.set(++last, [resolve, body.mode === "still" ? "image/png" : "image/jpeg"]);
+      waiting.set(++last, [resolve, TYPES[body.mode] ?? "image/jpeg"]);
       model.send({ id: last, route, body });
     }),
     close: () => model.off("msg:custom", receive),

@@ -166,11 +166,11 @@ impl Routes {
         // A move that has begun is finished: else a page that asks while it waits would see none.
         let go_on: GoOn = match (request.mode, self.sends) {
             (Mode::Move, _) => Arc::new(|| true),
-            (Mode::Still | Mode::Part, Sends::Jpeg) => {
+            (_, Sends::Jpeg) => {
                 let (go_on, is_read) = (ticket.go_on(), GoOn::clone(is_read));
                 Arc::new(move || go_on() && is_read())
             }
-            (Mode::Still | Mode::Part, Sends::Rgba(pause)) => {
+            (_, Sends::Rgba(pause)) => {
                 let go_on = ticket.go_on();
                 Arc::new(move || {
                     pause();
@@ -190,6 +190,8 @@ impl Routes {
                 }
             },
             Pixels::Png(bytes) => Reply::new("image/png", bytes),
+            Pixels::Svg(bytes) => Reply::new("image/svg+xml", bytes),
+            Pixels::Pdf(bytes) => Reply::new("application/pdf", bytes),
         };
         Ok(reply.with(picture.info))
     }

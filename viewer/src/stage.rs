@@ -148,6 +148,10 @@ pub enum Mode {
     Still,
     /// The pixels of a window of a still, in full quality, for a page that composes it.
     Part,
+    /// A figure without pixels, as SVG.
+    Svg,
+    /// The same as PDF.
+    Pdf,
 }
 
 /// Options that replace those of the scene, by their identifiers: the values of each, one for every time that it is given. An option
@@ -256,6 +260,10 @@ pub enum Pixels {
     },
     /// A whole PNG file, sent as it is.
     Png(Vec<u8>),
+    /// A whole SVG file.
+    Svg(Vec<u8>),
+    /// A whole PDF file.
+    Pdf(Vec<u8>),
 }
 
 /// A frame and what is said about it.

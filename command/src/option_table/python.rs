@@ -44,7 +44,11 @@ fn keywords(call: Call) -> String {
     let mut text = String::new();
     // The size of parts is an argument of its own.
     for row in of_call(call).filter(|row| call != Call::Sieve || row.id != "size") {
-        let Python::Keyword(_, name, form, kind) = row.python else { continue };
+        let Python::Keyword(of_row, name, form, kind) = row.python else { continue };
+        // A figure has the keywords of a rendering by inheritance.
+        if call == Call::Vector && of_row == Call::Render {
+            continue;
+        }
         // An earlier name of an option has no help of its own.
         let id = if row.id == "outline" { "cell" } else { row.id };
         let arg = of(id).expect("an option");
@@ -69,7 +73,13 @@ fn keywords(call: Call) -> String {
 #[test]
 fn keywords_of_python_are_those_of_the_table() {
     let mut expected = TEMPLATE.to_owned();
-    let calls = [("read", Call::Read), ("render", Call::Render), ("sieve", Call::Sieve), ("save", Call::Save)];
+    let calls = [
+        ("read", Call::Read),
+        ("render", Call::Render),
+        ("sieve", Call::Sieve),
+        ("save", Call::Save),
+        ("vector", Call::Vector),
+    ];
     for (place, call) in calls {
         expected = expected.replace(&format!("    # {place}\n"), &keywords(call));
     }

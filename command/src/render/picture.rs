@@ -20,12 +20,11 @@ use halfline::report::{FigureCounts, Report};
 use halfline::scene::Scene;
 use halfline::settings::{Accuracy, Settings};
 use halfline::window::Window;
-use halfline_drawing::figure::{Figure, FigureNames};
+use halfline_drawing::figure::Figure;
 use halfline_drawing::inset::Panels;
 use halfline_files::read::style::RangeEnd;
 use halfline_files::write::figure;
 use halfline_files::write::file::{Target, check_writable, write_atomically};
-use halfline_files::write::format::Dpi;
 use halfline_files::write::glb;
 use halfline_files::write::vector::VectorFormat;
 use std::collections::{BTreeMap, BTreeSet};
@@ -144,7 +143,7 @@ impl PictureWriter<'_> {
             }
         }
         self.messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
-        let drawn = figure.as_ref().map(|_| self.figure(numbered, settings)).transpose()?;
+        let drawn = figure.as_ref().map(|_| figure_args::figure(self.args, numbered, settings)).transpose()?;
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         complete(self.args, numbered, &mut frame, panels.as_mut(), (renderer, settings))?;
         self.args
@@ -216,20 +215,6 @@ impl PictureWriter<'_> {
         let beyond: Vec<_> = targets.iter().flat_map(|target| target.warnings(&frame)).collect();
         frame.report.warnings.extend(beyond);
         Ok(frame)
-    }
-
-    /// The figure without pixels of a scene.
-    fn figure(&self, numbered: &PictureScene, settings: &Settings) -> Result<Figure> {
-        figure_args::check_settings(settings)?;
-        let dpi = self.args.dpi().map(Dpi::per_inch);
-        let style = self.args.figure.style(settings, self.args.files.transparent, dpi);
-        let names = &numbered.path_names;
-        let names = FigureNames {
-            columns: names.iter().map(|(word, _)| word.clone()).collect(),
-            groups: self.args.figure.groups().len(),
-            value: &|column, id| names[column].1.name(id),
-        };
-        Figure::new(&numbered.scene, style, Some(&names))
     }
 
     /// Writes a figure with panels over it. Returns its counts and its bytes.

@@ -8,7 +8,7 @@ use crate::process::all_arguments;
 use clap::parser::{RawValues, ValueSource};
 use clap::{Arg, ArgAction, ArgMatches, Command};
 use halfline::error::{Error, Result};
-use halfline_viewer::{FrameRequest, Lens, LensName, Options, Pose};
+use halfline_viewer::{FrameRequest, Lens, LensName, Mode, Options, Pose};
 use std::ffi::{OsStr, OsString};
 
 /// The colour of spheres that are selected on the page, and that of the others.
@@ -193,7 +193,12 @@ impl Given {
     /// The words of the command that renders the picture of a request.
     pub(super) fn words_of(&self, request: &FrameRequest) -> Vec<OsString> {
         let mut words = self.words(&self.options_of(request));
-        words.extend(["-o".into(), self.output()]);
+        let output = match request.mode {
+            Mode::Svg => "view.svg".into(),
+            Mode::Pdf => "view.pdf".into(),
+            _ => self.output(),
+        };
+        words.extend(["-o".into(), output]);
         words
     }
 

@@ -317,7 +317,7 @@ impl ViewHandler {
                 }
                 Ok((pixels, report))
             }
-            Mode::Still => {
+            Mode::Still | Mode::Svg | Mode::Pdf => {
                 let writer = PictureWriter {
                     args,
                     settings,
@@ -329,7 +329,12 @@ impl ViewHandler {
                 };
                 let written = writer.picture(picture, renderer)?;
                 let still = written.still.ok_or_else(|| Error::settings("no picture is requested", "remove --aov"))?;
-                Ok((Pixels::Png(still), written.report))
+                let pixels = match request.mode {
+                    Mode::Svg => Pixels::Svg(still),
+                    Mode::Pdf => Pixels::Pdf(still),
+                    _ => Pixels::Png(still),
+                };
+                Ok((pixels, written.report))
             }
         }
     }

@@ -33,6 +33,7 @@ mod exit_codes;
 mod farm;
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 mod faults;
+mod figures;
 mod film;
 mod films;
 mod framing;

@@ -215,6 +215,8 @@ pub(crate) fn rows() -> Vec<Row> {
         at("aov", "--aov normal=p.n.npy").does(Bytes),
         at("aov", "--aov shadow=p.s.npy --sun 1,1,1").does(Bytes),
         at("cryptomatte", "--cryptomatte kind --samples 4").into("-o p.exr").does(Bytes),
+        at("group", "--group kind --shade flat").into("-o p.svg").does(Bytes),
+        at("detail", "--detail 30").into("-o p.svg").does(Bytes),
         at("bits", "--bits 16").does(Bytes),
         at("dpi", "--dpi 300").does(Bytes),
         at("trim", "--trim").into("-o p.png --aov id=p.i.npy").does(Bytes),

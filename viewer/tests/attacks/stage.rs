@@ -85,6 +85,8 @@ impl Stage for Fake {
                 Pixels::Rgb { size, levels: vec![127; 3 * (width * height) as usize] }
             }
             halfline_viewer::Mode::Still => Pixels::Png(b"\x89PNG".to_vec()),
+            halfline_viewer::Mode::Svg => Pixels::Svg(b"<svg/>".to_vec()),
+            halfline_viewer::Mode::Pdf => Pixels::Pdf(b"%PDF".to_vec()),
         };
         Ok(is_done.then_some(Picture { pixels, info }))
     }

@@ -388,6 +388,13 @@ class Run:
             self.check("twice the size is saved", size == [2 * side for side in self.size()], size)
             if self.mock:
                 self.check("with the legend", self.mock.log[-1]["options"].get("legend_in") == ["right"], self.mock.log[-1])
+            tab.js("[...document.querySelectorAll('.hl-buttons button')].find((b) => b.innerText === 'Save').click()")
+            tab.js("[...document.querySelectorAll('.hl-choices button')].find((b) => b.innerText === 'SVG').click()")
+            files = self.downloaded(folder, "*.svg", 60)
+            if self.mock:
+                self.check("a figure is asked for", bool(files) and self.mock.log[-1]["mode"] == "svg", self.mock.log[-1])
+            else:
+                self.check("a figure is saved", bool(files) and files[0].read_bytes().startswith(b"<svg"), files)
             self.check("nothing remains of it", not tab.js(is_shown(".hl-dialog")) and not tab.js(is_shown(".hl-error")))
 
     def helps(self):
