@@ -15,16 +15,20 @@ pub(super) struct Cells {
     rows: usize,
     first: Vec<u32>,
     balls: Vec<u32>,
+    /// The depth behind which a ball hides all of a cell.
+    bounds: Vec<f64>,
 }
 
 /// The extent of a ball in the image.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Extent {
     /// A rectangle around its outline.
-    low: DVec2,
-    high: DVec2,
+    pub(super) low: DVec2,
+    pub(super) high: DVec2,
     /// The least depth.
-    depth: f64,
+    pub(super) depth: f64,
+    /// A rectangle around the places in which the middle of the ball is seen from its least depth on.
+    middle: [DVec2; 2],
 }
 
 impl Extent {
@@ -43,7 +47,20 @@ impl Extent {
         };
         let [x, y] = [range(center.x), range(center.y)];
         let ends = [0, 1].map(|n| projection.middle + projection.scale * DVec2::new(x[n], y[n]));
-        Self { low: ends[0].min(ends[1]), high: ends[0].max(ends[1]), depth: depth - radius }
+        let nearer = if projection.is_parallel { center } else { center.truncate().extend(radius - depth) };
+        let [a, b] = [center, nearer].map(|x| projection.place(x));
+        let middle = [a.min(b), a.max(b)];
+        Self { low: ends[0].min(ends[1]), high: ends[0].max(ends[1]), depth: depth - radius, middle }
+    }
+
+    /// A depth that no part of the ball within a rectangle is nearer than; `None` where none of it is.
+    fn nearest(&self, ball: &Ball, projection: &Projection, [low, high]: [DVec2; 2]) -> Option<f64> {
+        // Of a point of the surface at depth z, (z - c)^2 + |s z - m|^2 = r^2 with the slope s of its ray and the middle m, of which the
+        // second square is not below that of the gap between the rectangles at the least depth.
+        let gap = (self.middle[0] - high).max(low - self.middle[1]).max(DVec2::ZERO) / projection.scale;
+        let away = gap.length() * if projection.is_parallel { 1.0 } else { self.depth };
+        let inner = (ball.radius - away) * (ball.radius + away);
+        (inner >= 0.0).then(|| -ball.center.z - inner.sqrt())
     }
 
     /// Its longer side.
@@ -100,12 +117,16 @@ impl Cells {
             }
         }
         let mut entries: Vec<(u32, u32)> = Vec::new();
-        for (n, extent) in (0..).zip(&extents) {
+        for (n, (extent, ball)) in (0..).zip(extents.iter().zip(balls)) {
             let [columns_in, rows_in] = ranges(extent);
             for row in rows_in {
                 for column in columns_in.clone() {
                     let cell = row * columns + column;
-                    if extent.depth <= bounds[cell] {
+                    let low = corner + DVec2::new(column as f64, row as f64) * side;
+                    // Wider by what its corners may be rounded.
+                    let around = [low - 1e-9 * side, low + (1.0 + 1e-9) * side];
+                    let is_seen = |depth: f64| depth <= bounds[cell];
+                    if is_seen(extent.depth) && extent.nearest(ball, projection, around).is_some_and(is_seen) {
                         entries.push((cell as u32, n));
                     }
                 }
@@ -121,7 +142,7 @@ impl Cells {
             listed[next[cell as usize] as usize] = ball;
             next[cell as usize] += 1;
         }
-        Self { corner, side, columns, rows, first, balls: listed }
+        Self { corner, side, columns, rows, first, balls: listed, bounds }
     }
 
     /// The balls of the cell of a place; none outside of the cells.
@@ -130,6 +151,15 @@ impl Cells {
         let is_within = column >= 0.0 && row >= 0.0 && column <= self.columns as f64 && row <= self.rows as f64;
         let [column, row] = [(column as usize).min(self.columns - 1), (row as usize).min(self.rows - 1)];
         if is_within { self.cell(row * self.columns + column) } else { &[] }
+    }
+
+    /// Whether all of what lies in a rectangle at this depth or behind it is hidden.
+    pub(super) fn hide(&self, [low, high]: [DVec2; 2], depth: f64) -> bool {
+        let [from, to] = [low, high].map(|place| ((place - self.corner) / self.side).floor());
+        let size = DVec2::new(self.columns as f64, self.rows as f64) - 1.0;
+        let [from, to] = [from, to].map(|cell| cell.clamp(DVec2::ZERO, size));
+        let mut rows = from.y as usize..=to.y as usize;
+        rows.all(|row| (from.x as usize..=to.x as usize).all(|column| self.bounds[row * self.columns + column] < depth))
     }
 
     fn cell(&self, n: usize) -> &[u32] {

@@ -103,6 +103,12 @@ impl Ball {
         (x - self.center).dot(projection.way(x)) < 0.0
     }
 
+    /// The same, also of a point so near the contour that arithmetic does not tell.
+    pub(super) fn may_face(&self, projection: &Projection, x: DVec3) -> bool {
+        let way = projection.way(x);
+        (x - self.center).dot(way) < NEAR * self.radius * way.length()
+    }
+
     /// The circle of points where rays touch the ball.
     pub(super) fn contour(&self, projection: &Projection) -> Circle {
         if projection.is_parallel {
@@ -233,6 +239,16 @@ impl Circle {
     pub(super) fn tangent(&self, projection: &Projection, angle: f64) -> DVec2 {
         let (sin, cos) = angle.sin_cos();
         projection.velocity(self.point(angle), cos * self.v - sin * self.u).normalize_or_zero()
+    }
+
+    /// The depth of its farthest point.
+    pub(super) fn deepest(&self) -> f64 {
+        self.u.z.hypot(self.v.z) - self.center.z
+    }
+
+    /// A ball around it.
+    pub(super) fn ball(&self) -> Ball {
+        Ball { center: self.center, radius: self.u.length() }
     }
 
     /// The angle of a point near the circle, from 0 to a turn.

@@ -1,6 +1,6 @@
 //! The curves along which what is seen may change, and the places at which they are cut: where they cross each other in the image.
 
-use super::cells::Cells;
+use super::cells::{Cells, Extent};
 use super::circle::{Ball, Circle, Line, Plane, Projection};
 use super::solids::{Cut, Solids};
 use glam::{DVec2, DVec3};
@@ -28,6 +28,14 @@ impl Shape {
         match self {
             Self::Circle(circle) => circle.tangent(projection, at),
             Self::Line(line) => projection.velocity(self.point(at), line.along).normalize_or_zero(),
+        }
+    }
+
+    /// The depth behind which none of a circle lies.
+    fn deepest(&self) -> f64 {
+        match self {
+            Self::Circle(circle) => circle.deepest(),
+            Self::Line(_) => f64::INFINITY,
         }
     }
 
@@ -115,10 +123,14 @@ impl<'a> Curves<'a> {
                 }
             }
         }
+        let is_hidden = |circle: &Circle| {
+            let Extent { low, high, depth, .. } = Extent::of(&circle.ball(), projection);
+            cells.hide([low, high], depth)
+        };
         let crossings = curves.all.len();
         for of in &pairs {
             let [a, b] = of.map(|n| &balls[n as usize]);
-            if let Some(circle) = a.crossing(b) {
+            if let Some(circle) = a.crossing(b).filter(|circle| !is_hidden(circle)) {
                 curves.push(Shape::Circle(circle), Kind::Crossing(*of));
             }
         }
@@ -202,12 +214,23 @@ struct Cutter<'a> {
 }
 
 impl Cutter<'_> {
+    /// Whether a point of a curve is not on the far side of one of two balls that cross there.
+    fn may_be_seen(&self, curve: u32, x: DVec3) -> bool {
+        let Solids { balls, projection, .. } = self.solids;
+        match self.curves[curve as usize].kind {
+            Kind::Crossing(of) => of.iter().all(|n| balls[*n as usize].may_face(projection, x)),
+            _ => true,
+        }
+    }
+
     /// Cuts a curve where it passes through a plane, and curves that pass through the same points.
     fn join(&mut self, curve: u32, plane: &Plane, others: &[u32]) {
         let shape = self.curves[curve as usize].shape;
         for at in shape.through(plane) {
-            self.found.push((curve, at));
-            others.iter().for_each(|other| self.cut_under(*other, shape.point(at)));
+            if self.may_be_seen(curve, shape.point(at)) {
+                self.found.push((curve, at));
+                others.iter().for_each(|other| self.cut_under(*other, shape.point(at)));
+            }
         }
     }
 
@@ -233,7 +256,13 @@ impl Cutter<'_> {
         for at in found {
             let x = one.shape.point(at);
             let is_close = |other: &DVec3| projection.place(*other).distance(projection.place(x)) < CLOSE;
-            if !touched.iter().any(is_close) {
+            // What lies behind the circle in which two balls cross is hidden there.
+            let is_behind = || {
+                matches!((one.kind, other.kind), (Kind::Crossing(_), Kind::Outline(n)) if {
+                    Circle::touched(&self.solids.balls[n as usize], x, projection).z < x.z
+                })
+            };
+            if !touched.iter().any(is_close) && !is_behind() && self.may_be_seen(a, x) {
                 self.found.push((a, at));
                 self.cut_under(b, x);
             }
@@ -274,7 +303,9 @@ impl About<'_> {
     /// Cuts the circle in which two balls cross.
     fn cut_crossing(&self, n: u32, cutter: &mut Cutter<'_>) {
         let Self { balls, planes, outline_of, rims_of, neighbors } = self;
-        let Kind::Crossing(of) = cutter.curves[n as usize].kind else { return };
+        let Curve { shape, kind: Kind::Crossing(of) } = cutter.curves[n as usize] else { return };
+        let projection = &cutter.solids.projection;
+        let deepest = shape.deepest();
         for k in of {
             let contour = Plane::of_contour(&balls[k as usize], &cutter.solids.projection);
             cutter.join(n, &contour, &[outline_of[k as usize]]);
@@ -287,8 +318,17 @@ impl About<'_> {
         }
         let [a, b] = of.map(|k| &neighbors[k as usize]);
         for &k in a.iter().filter(|k| !of.contains(k) && b.binary_search(k).is_ok()) {
-            cutter.join(n, &Plane::between(&balls[of[0] as usize], &balls[k as usize]), &[]);
-            cutter.meet(n, outline_of[k as usize], &[]);
+            let ball = &balls[k as usize];
+            // Where all three surfaces face the eye; elsewhere the point is hidden.
+            for at in shape.through(&Plane::between(&balls[of[0] as usize], ball)) {
+                let x = shape.point(at);
+                if ball.may_face(projection, x) && cutter.may_be_seen(n, x) {
+                    cutter.found.push((n, at));
+                }
+            }
+            if -ball.center.z - ball.radius < deepest {
+                cutter.meet(n, outline_of[k as usize], &[]);
+            }
             rims_of[k as usize].iter().for_each(|rim| cutter.meet(n, *rim, &[]));
         }
     }

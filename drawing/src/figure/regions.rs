@@ -40,6 +40,9 @@ pub(super) struct Regions {
 /// The distance within which places are one, in units of the image.
 const SAME: f64 = 1e-7;
 
+/// The side of the cells in which places are looked up, in units of the image.
+const CELL: f64 = 1e-3;
+
 /// The longest part of a curve for which one place tells whether the depth jumps there.
 const PART: f64 = 0.2;
 
@@ -264,9 +267,12 @@ struct Places {
 
 impl Places {
     fn number(&mut self, place: DVec2) -> u32 {
-        let cell = [place.x, place.y].map(|x| (x / SAME).floor() as i64);
-        for (dx, dy) in (-1..=1).flat_map(|dx| (-1..=1).map(move |dy| (dx, dy))) {
-            let near = self.by_cell.get(&[cell[0] + dx, cell[1] + dy]).into_iter().flatten();
+        let cell = [place.x, place.y].map(|x| (x / CELL).floor() as i64);
+        // Mostly one cell.
+        let [columns, rows] =
+            [place.x, place.y].map(|x| [x - SAME, x + SAME].map(|x| (x / CELL).floor() as i64)).map(|[a, b]| a..=b);
+        for (column, row) in columns.flat_map(|column| rows.clone().map(move |row| (column, row))) {
+            let near = self.by_cell.get(&[column, row]).into_iter().flatten();
             if let Some(known) = near.copied().find(|n| self.all[*n as usize].distance(place) < SAME) {
                 return known;
             }
@@ -288,12 +294,20 @@ impl Regions {
         let edges = parallel::collect(curves.all.len(), 64, &|range, edges: &mut Vec<Edge>| {
             for n in range {
                 let curve = &curves.all[n];
+                let mut last: Option<(Piece, Sides)> = None;
+                let mut add = |(piece, sides): (Piece, Sides)| {
+                    let ends = [piece.from, piece.to].map(|at| solids.projection.place(curve.shape.point(at)));
+                    edges.push(Edge { piece, ends, sides });
+                };
                 for [from, to] in curves.pieces(n as u32) {
                     let piece = Piece { curve: n as u32, from, to };
                     let Some(sides) = scene.sides(curve, &piece) else { continue };
-                    let ends = [from, to].map(|at| solids.projection.place(curve.shape.point(at)));
-                    edges.push(Edge { piece, ends, sides });
+                    match &mut last {
+                        Some((before, known)) if before.to == from && *known == sides => before.to = to,
+                        _ => last.replace((piece, sides)).into_iter().for_each(&mut add),
+                    }
                 }
+                last.into_iter().for_each(add);
             }
         });
         let jumps = jump.map(|least| {
@@ -313,9 +327,12 @@ fn lines(edges: &[Edge], curves: &[Curve], key: impl Fn(Surface) -> Surface) -> 
     let mut places = Places::default();
     for Edge { piece, ends, sides } in edges {
         let sides = sides.map(|side| side.map(&key));
+        if sides[0] == sides[1] {
+            continue;
+        }
         let [a, b] = ends.map(|end| places.number(end));
         let is_point = a == b && (piece.to - piece.from < 1.0 || matches!(shape(curves, piece), Shape::Line(_)));
-        if sides[0] == sides[1] || is_point {
+        if is_point {
             continue;
         }
         if let Some(left) = sides[0] {

@@ -54,8 +54,7 @@ pub(super) fn write<'a>(page: &Page, panels: impl Iterator<Item = (DVec2, &'a Sh
     if !page.gradients.is_empty() {
         svg += "<defs>\n";
         for (n, stops) in page.gradients.iter().enumerate() {
-            let _ =
-                write!(svg, "<radialGradient id=\"c{n}\" gradientUnits=\"userSpaceOnUse\" cx=\"0\" cy=\"0\" r=\"1\">");
+            let _ = write!(svg, "<radialGradient id=\"c{n}\">");
             for Stop { at, color } in stops {
                 let _ = write!(svg, "<stop offset=\"{}\" stop-color=\"{}\"/>", number(*at), hex(*color));
             }
@@ -63,8 +62,10 @@ pub(super) fn write<'a>(page: &Page, panels: impl Iterator<Item = (DVec2, &'a Sh
         }
         for path in page.groups.iter().flat_map(|group| &group.paths) {
             if let Paint::Radial { stops, matrix, focus } = &path.paint {
-                let matrix = matrix.map(number).join(" ");
-                let _ = write!(svg, "<radialGradient id=\"g{}\" xlink:href=\"#c{stops}\"", path.name);
+                // A hundredth of a pixel is not seen in a gradient. Programs take the colours from another gradient, and not its circle.
+                let matrix = matrix.map(|x| format!("{x:.2}")).join(" ");
+                let circle = "gradientUnits=\"userSpaceOnUse\" cx=\"0\" cy=\"0\" r=\"1\"";
+                let _ = write!(svg, "<radialGradient id=\"g{}\" xlink:href=\"#c{stops}\" {circle}", path.name);
                 if focus.length() > 5e-4 {
                     let _ = write!(svg, " fx=\"{}\" fy=\"{}\"", number(focus.x), number(focus.y));
                 }

@@ -1,6 +1,16 @@
 //! Waves of a circle's angle, of degree 2 at most, and where they change their sign.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::LazyLock;
+
+/// The corners of a polygon in the circle of radius 1.
+const SIDES: usize = 16;
+static UNIT: LazyLock<[[f64; 2]; SIDES]> = LazyLock::new(|| {
+    std::array::from_fn(|k| {
+        let (sin, cos) = (k as f64 * TAU / SIDES as f64).sin_cos();
+        [cos, sin]
+    })
+});
 
 /// mean + first (cos, sin) a + second (cos, sin) 2 a.
 #[derive(Debug, Clone, Copy)]
@@ -52,13 +62,22 @@ impl Wave {
     /// The angles at which it changes its sign, from 0 to a turn. The half angle's tangent is a root of a quartic, counted from the angle
     /// opposite of the one where the wave is farthest from 0 of sixteen.
     pub(super) fn zeros(&self) -> Vec<f64> {
-        let size = self.first.iter().chain(&self.second).map(|x| x.abs()).sum::<f64>();
-        if self.mean.abs() > size {
+        let [first, second] = [self.first, self.second].map(|[a, b]| a.hypot(b));
+        if self.mean.abs() > first + second {
             return Vec::new();
         }
-        let angles = (0..16).map(|n| f64::from(n) * TAU / 16.0);
-        let far = angles.max_by(|a, b| self.at(*a).abs().total_cmp(&self.at(*b).abs())).unwrap_or_default();
-        let start = far - PI;
+        let value = |k: usize| {
+            let ([c, s], [c2, s2]) = (UNIT[k], UNIT[2 * k % SIDES]);
+            self.mean + self.first[0] * c + self.first[1] * s + self.second[0] * c2 + self.second[1] * s2
+        };
+        let mut far = (0.0, 0);
+        for k in 0..SIDES {
+            let value = value(k).abs();
+            if value > far.0 {
+                far = (value, k);
+            }
+        }
+        let start = far.1 as f64 * TAU / SIDES as f64 - PI;
         let Self { mean, first: [a1, b1], second: [a2, b2] } = self.turned(start);
         let quartic = [mean + a1 + a2, 2.0 * b1 + 4.0 * b2, 2.0 * mean - 6.0 * a2, 2.0 * b1 - 4.0 * b2, mean - a1 + a2];
         let polished = |t: f64| {
