@@ -27,7 +27,7 @@ pub(super) struct Extent {
     pub(super) high: DVec2,
     /// The least depth.
     pub(super) depth: f64,
-    /// A rectangle around the places in which the middle of the ball is seen from its least depth on.
+    /// A rectangle around the places of the middle of the ball at the depths of its points.
     middle: [DVec2; 2],
 }
 
@@ -47,8 +47,8 @@ impl Extent {
         };
         let [x, y] = [range(center.x), range(center.y)];
         let ends = [0, 1].map(|n| projection.middle + projection.scale * DVec2::new(x[n], y[n]));
-        let nearer = if projection.is_parallel { center } else { center.truncate().extend(radius - depth) };
-        let [a, b] = [center, nearer].map(|x| projection.place(x));
+        // The outline of a ball beside the axis reaches behind its middle.
+        let [a, b] = [-radius, radius].map(|by| projection.place(center.truncate().extend(center.z + by)));
         let middle = [a.min(b), a.max(b)];
         Self { low: ends[0].min(ends[1]), high: ends[0].max(ends[1]), depth: depth - radius, middle }
     }

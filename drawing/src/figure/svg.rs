@@ -15,18 +15,24 @@ pub(super) fn d(path: &[Step]) -> String {
 
 /// The same of lines that each end so.
 fn lines(path: &[Step], end: &str) -> String {
-    let mut d = String::new();
+    let (mut d, mut last) = (String::new(), String::new());
     for (n, step) in path.iter().enumerate() {
+        let (Step::Start(to) | Step::Line(to) | Step::Arc { to, .. }) = step;
+        let place = numbers(*to);
         // Writing to a String does not fail.
         let _ = match step {
-            Step::Start(at) => write!(d, "{}M{}", if n > 0 { end } else { "" }, numbers(*at)),
-            Step::Line(to) => write!(d, "L{}", numbers(*to)),
-            Step::Arc { ellipse, way, to, .. } => {
+            Step::Start(_) => write!(d, "{}M{place}", if n > 0 { end } else { "" }),
+            // Arcs and lines without a length are left out by what reads the file.
+            Step::Line(_) if place == last => Ok(()),
+            Step::Arc { way, .. } if place == last && way.abs() < 1.0 => Ok(()),
+            Step::Line(_) => write!(d, "L{place}"),
+            Step::Arc { ellipse, way, .. } => {
                 let [a, b] = ellipse.axes;
                 let turn = if number(a) == number(b) { "0".into() } else { number(ellipse.turn.to_degrees()) };
-                write!(d, "A{} {turn} 0 {} {}", numbers(DVec2::new(a, b)), u8::from(*way > 0.0), numbers(*to))
+                write!(d, "A{} {turn} 0 {} {place}", numbers(DVec2::new(a, b)), u8::from(*way > 0.0))
             }
         };
+        last = place;
     }
     d + end
 }

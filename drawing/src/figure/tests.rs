@@ -194,6 +194,7 @@ fn cut(case: u64, at: [f64; 3], spheres: &mut Spheres) -> &'static str {
 #[derive(Debug, Default)]
 struct Count {
     places: u32,
+    hits: u32,
     close: u32,
     joined: u64,
     faces: usize,
@@ -230,6 +231,7 @@ fn compare(name: &str, scene: &Scene, renderer: &mut Renderer, settings: &Settin
             _ => false,
         };
         count.places += 1;
+        count.hits += u32::from(*id >= 0);
         count.faces += found.iter().filter(|surface| surface.face.is_some()).count();
         if is_right {
             continue;
@@ -244,7 +246,7 @@ fn compare(name: &str, scene: &Scene, renderer: &mut Renderer, settings: &Settin
 }
 
 fn check(count: &Count) {
-    let Count { places, close, joined, faces, wrong } = count;
+    let Count { places, close, joined, faces, wrong, .. } = count;
     println!(
         "{places} centres, {faces} on faces, {close} within {NEAR} of a line, {} wrong, {joined} lines joined",
         wrong.len()
@@ -287,6 +289,25 @@ fn figures_show_what_frames_show() {
             }
         }
     }
+    check(&count);
+}
+
+/// The outline of a ball beside the axis is tilted: it reaches behind the middle of the ball.
+#[test]
+fn figures_beside_the_axis_show_what_frames_show() {
+    let ((mut renderer, settings), mut count) = (renderer(), Count::default());
+    for case in [0_u64, 5, 11, 17, 23, 29] {
+        let (name, spheres) = hard(case, [0.0; 3]);
+        let mut scene = scene(spheres, [0.0; 3], Lens::Orthographic { height: 5.0 });
+        scene.camera.look = Look::At(DVec3::new(14.0, -9.0, 0.0));
+        let basis = scene.camera.basis().expect("a basis");
+        let slope = DVec2::new(basis.e.dot(basis.u), -basis.e.dot(basis.v)) / basis.e.dot(basis.w);
+        // Frames count principal points in 256ths of a pixel.
+        let [cx, cy] = [48.0 + 40.0 * slope.x, 36.0 + 40.0 * slope.y].map(f64::round);
+        scene.camera.lens = Lens::Intrinsics { fx: 40.0, fy: 40.0, cx, cy };
+        compare(&format!("{name} {case}, beside the axis"), &scene, &mut renderer, &settings, &mut count);
+    }
+    assert!(count.hits > 1000, "{} hits", count.hits);
     check(&count);
 }
 
