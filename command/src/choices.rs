@@ -1,7 +1,7 @@
 //! The choices of a reading and of a picture, by options of the command, for scenes that another program has in memory: the keywords of the
 //! Python package are these options, and nothing else understands them.
 
-use super::figure_args;
+use super::figure;
 use super::framing;
 use super::legend;
 use super::messages::flags;
@@ -206,14 +206,14 @@ impl Choices {
     /// # Errors
     /// Those of [`Self::picture`], and of what a figure cannot show.
     pub fn figure(&self, scene: ChosenScene<'_>) -> Result<ChosenFigure> {
-        self.args.figure.check(&self.args, &self.args.files)?;
+        figure::check(&self.args)?;
         let picture = self.picture(scene, &[], Backend::Cpu)?;
-        let figure = figure_args::figure(&self.args, &picture.picture, &picture.settings)?;
+        let drawn = figure::of(&self.args, &picture.picture, &picture.settings)?;
         // Marks are at pixels that show what they name.
         let Rendered { frame, panels, .. } = picture.render(&mut Renderer::new(&picture.settings)?)?;
         let mut warnings = frame.report.warnings;
-        warnings.extend(figure_args::warning(figure.counts()));
-        Ok(ChosenFigure { figure, panels, warnings })
+        warnings.extend(figure::warning(drawn.counts()));
+        Ok(ChosenFigure { figure: drawn, panels, warnings })
     }
 
     /// The picture of a scene with these buffers, on a renderer for this backend.

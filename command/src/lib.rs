@@ -27,6 +27,7 @@ mod config;
 mod cut_args;
 mod exhaustion;
 mod failure;
+mod figure;
 mod figure_args;
 mod file_args;
 mod film;

@@ -7,6 +7,7 @@ use super::adapters::note_fallback;
 use super::bar::Bar;
 use super::camera_list::WrittenCameras;
 use super::clash::{check_one_standard, check_text};
+use super::figure;
 use super::film::FilmWriter;
 use super::legend;
 use super::lines::ProgressArgs;
@@ -347,7 +348,7 @@ impl Render {
         self.args.insets.check(self.args.image.is_part(), &self.args.files)?;
         self.args.check_outputs()?;
         self.args.files.check_formats(&targets)?;
-        self.args.figure.check(&self.args, &self.args.files)?;
+        figure::check(&self.args)?;
         if self.resume {
             self.args.files.check_resume(&targets)?;
         }

@@ -47,6 +47,8 @@ impl Stage for Checking {
         let pixels = match request.mode {
             Mode::Move | Mode::Part => Pixels::Rgb { size: [9, 2], levels: vec![77; 54] },
             Mode::Still => Pixels::Png(Vec::new()),
+            Mode::Svg => Pixels::Svg(Vec::new()),
+            Mode::Pdf => Pixels::Pdf(Vec::new()),
         };
         Ok(Some(Picture { pixels, info: json!({ "seq": request.seq, "adapter": request.options.get("look") }) }))
     }

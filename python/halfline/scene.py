@@ -379,7 +379,7 @@ class Scene:
         >>> figure.paths
         2
         """
-        return Vector(self, camera, options)
+        return Vector(self._native, camera, options)
 
     def save(self, path: Path, camera: Camera | None = None) -> None:
         """Writes the spheres as a model: points with radii and colours, for Blender and other

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import warnings
 from os import PathLike, fspath
-from typing import TYPE_CHECKING
 
 from . import _halfline
 from .camera import Camera, native_camera
 from .options import VectorOptions
-
-if TYPE_CHECKING:
-    from .scene import Scene
 
 
 class Vector:
@@ -26,9 +22,11 @@ class Vector:
     """Spheres, and visible parts of spheres, that are left out because they are smaller than
     ``detail``."""
 
-    def __init__(self, scene: Scene, camera: Camera | None, options: VectorOptions) -> None:
+    def __init__(
+        self, scene: _halfline.Scene, camera: Camera | None, options: VectorOptions
+    ) -> None:
         native = None if camera is None else native_camera(camera)
-        self._native = _halfline.Figure(scene._native, native, dict(options))
+        self._native = _halfline.Figure(scene, native, dict(options))
         self.paths, self.small, _ = self._native.counts
         for warning in self._native.warnings:
             warnings.warn(warning, stacklevel=3)

@@ -2,7 +2,6 @@
 
 use crate::bar::Bar;
 use crate::clash::check_inputs;
-use crate::figure_args;
 use crate::legend;
 use crate::messages::{note, say};
 use crate::names::numbered as numbered_name;
@@ -143,7 +142,7 @@ impl PictureWriter<'_> {
             }
         }
         self.messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
-        let drawn = figure.as_ref().map(|_| figure_args::figure(self.args, numbered, settings)).transpose()?;
+        let drawn = figure.as_ref().map(|_| crate::figure::of(self.args, numbered, settings)).transpose()?;
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         complete(self.args, numbered, &mut frame, panels.as_mut(), (renderer, settings))?;
         self.args
@@ -164,9 +163,9 @@ impl PictureWriter<'_> {
         let made = made.map(|(drawn, of)| self.write_figure(drawn, (&of.0, of.1), panels.as_ref())).transpose()?;
         let (of_figure, figure_bytes) = made.unzip();
         if let Some((counts, (path, _))) = of_figure.zip(figure.as_ref()) {
-            self.messages.note(number, figure_args::words(path, counts));
+            self.messages.note(number, crate::figure::words(path, counts));
             frame.report.figure = Some(counts);
-            frame.report.warnings.extend(figure_args::warning(counts));
+            frame.report.warnings.extend(crate::figure::warning(counts));
         }
         frame.report.warnings.iter().for_each(|warning| self.messages.warn(number, warning));
         let mut still = None;

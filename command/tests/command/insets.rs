@@ -244,7 +244,11 @@ fn what_cannot_be_drawn_is_refused() {
         dir.refused_render(2, &format!("s.toml --label x {options}"), &["whole pictures", "--crop or --tile"]);
     }
     for options in ["-o a.npy", "-o a.npz", "-o a.pfm", "--aov id=i.npy", "--json", "-o - --raw"] {
-        dir.refused_render(2, &format!("s.toml --scale-bar {options}"), &["--scale-bar", ".webp, .mp4 or .gif"]);
+        dir.refused_render(
+            2,
+            &format!("s.toml --scale-bar {options}"),
+            &["--scale-bar", ".webp, .svg, .pdf, .mp4 or .gif"],
+        );
     }
     dir.refused_render(2, "s.toml --legend-in -o a.png", &["--color-by"]);
     dir.refused_render(2, "atoms.xyz --color-by vx --legend-in=middle -o a.png", &["middle", "bottom-left"]);

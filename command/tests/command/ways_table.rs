@@ -94,6 +94,8 @@ impl Row {
 /// All rows.
 pub(crate) fn rows() -> Vec<Row> {
     use Effect::{Allows, Bytes, Fails, Nothing};
+    const FIGURE: &[&str] =
+        &["a figure without pixels needs all spheres in memory", "parts have pixels, and a figure has none"];
     const LIGHT: &[&str] = &["lights and a sky need all spheres in memory"];
     const CUT: &[&str] = &["is chosen among all spheres in memory", "belongs to the parts"];
     const FORMAT: &[&str] = &["files are not read as a stream"];
@@ -215,8 +217,8 @@ pub(crate) fn rows() -> Vec<Row> {
         at("aov", "--aov normal=p.n.npy").does(Bytes),
         at("aov", "--aov shadow=p.s.npy --sun 1,1,1").does(Bytes),
         at("cryptomatte", "--cryptomatte kind --samples 4").into("-o p.exr").does(Bytes),
-        at("group", "--group kind --shade flat").into("-o p.svg").does(Bytes),
-        at("detail", "--detail 30").into("-o p.svg").does(Bytes),
+        at("group", "--group kind --shade flat").into("-o p.svg").does(Bytes).or(FIGURE),
+        at("detail", "--detail 30").into("-o p.svg").does(Bytes).or(FIGURE),
         at("bits", "--bits 16").does(Bytes),
         at("dpi", "--dpi 300").does(Bytes),
         at("trim", "--trim").into("-o p.png --aov id=p.i.npy").does(Bytes),

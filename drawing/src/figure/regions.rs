@@ -103,7 +103,7 @@ impl Scene<'_> {
         let is_left = |of: DVec2| (of - place).dot(left) > 0.0;
         let ball = |n: u32| &solids.balls[n as usize];
         if curve.kind == Kind::Edge {
-            let seen = solids.nearest(cells, place, Question::default())?.1;
+            let seen = solids.nearest(cells.at(place), place, Question::default())?.1;
             return Self::sorted(is_left(0.5 * (*low + *high)), Some(seen), None);
         }
         if place.cmplt(*low).any() || place.cmpgt(*high).any() {
@@ -112,7 +112,7 @@ impl Scene<'_> {
         let is_there = |n: u32| !solids.is_cut[n as usize] || solids.keep(x, [u32::MAX; 2]);
         // What is seen there besides; `None` if it hides the curve.
         let beyond = |question: Question| {
-            let other = solids.nearest(cells, place, Question { near: own, ..question });
+            let other = solids.nearest(cells.at(place), place, Question { near: own, ..question });
             (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
         };
         match curve.kind {
@@ -153,7 +153,8 @@ impl Scene<'_> {
             let from = piece.from + f64::from(n) * step;
             let x = shape.point(from + 0.5 * step);
             let question = Question { but, near: -x.z, ..Question::default() };
-            let other = solids.nearest(cells, solids.projection.place(x), question);
+            let place = solids.projection.place(x);
+            let other = solids.nearest(cells.at(place), place, question);
             let gap = other.map_or(f64::INFINITY, |(depth, _)| depth + x.z);
             if gap > least * solids.projection.pixel(-x.z) {
                 parts.push(Piece { from, to: from + step, ..*piece });
@@ -172,7 +173,7 @@ impl Scene<'_> {
         let nearest = |but: u32, on_edge: Option<(u32, bool)>| {
             let but = [but; 2];
             let question = Question { but, near: own, without: [plane; 2], on_edge };
-            let other = solids.nearest(cells, place, question);
+            let other = solids.nearest(cells.at(place), place, question);
             (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
         };
         match self.way(plane, x) {
@@ -190,7 +191,7 @@ impl Scene<'_> {
             }
             Way::Entered => {
                 let other = nearest(n, None)?;
-                let owner = solids.owner(cells, x, n);
+                let owner = solids.owner(cells.at(place), x, n);
                 let face = |sphere: u32| Some(Surface { sphere, face: Some(plane) });
                 let Shape::Circle(circle) = curve.shape else { return None };
                 let is_left = (projection.place(circle.center) - place).dot(left) > 0.0;
@@ -215,11 +216,11 @@ impl Scene<'_> {
         if !solids.keep(x, planes) {
             return None;
         }
-        let owner = solids.owner(cells, x, u32::MAX)?;
         let (place, own) = (projection.place(x), -x.z);
+        let owner = solids.owner(cells.at(place), x, u32::MAX)?;
         let beyond = |on_edge: Option<(u32, bool)>| {
             let question = Question { near: own, without: planes, on_edge, ..Question::default() };
-            let other = solids.nearest(cells, place, question);
+            let other = solids.nearest(cells.at(place), place, question);
             (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
         };
         let other = beyond(None)?;

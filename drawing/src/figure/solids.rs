@@ -1,6 +1,5 @@
 //! Balls, of which planes keep a part: what the ray of a place hits first.
 
-use super::cells::Cells;
 use super::circle::{Ball, Plane, Projection};
 use glam::{DVec2, DVec3};
 
@@ -110,11 +109,11 @@ impl Solids {
         self.hit(n, place, f64::NEG_INFINITY, &interval).map(|(depth, _)| depth)
     }
 
-    /// The nearest surface at a place, with its depth. Of faces in one plane it is that of the smallest ball, then of the first.
-    pub(super) fn nearest(&self, cells: &Cells, place: DVec2, question: Question) -> Option<(f64, Surface)> {
+    /// The nearest surface of some balls at a place, with its depth. Of faces in one plane it is that of the smallest ball, then of the first.
+    pub(super) fn nearest(&self, balls: &[u32], place: DVec2, question: Question) -> Option<(f64, Surface)> {
         let Question { but, near, without, on_edge } = question;
         let interval = self.interval(place, on_edge);
-        let others = cells.at(place).iter().copied().filter(|n| !but.contains(n));
+        let others = balls.iter().copied().filter(|n| !but.contains(n));
         let hit = |sphere: u32| {
             let (depth, face) = self.hit(sphere, place, near, &interval)?;
             let rank = face.map_or(0.0, |_| self.balls[sphere as usize].radius);
@@ -133,13 +132,13 @@ impl Solids {
         one < other || one == other && a < b
     }
 
-    /// The ball that shows its face at a point of a plane, but for one.
-    pub(super) fn owner(&self, cells: &Cells, x: DVec3, but: u32) -> Option<u32> {
+    /// The ball of some, but for one, that shows its face at a point of a plane.
+    pub(super) fn owner(&self, balls: &[u32], x: DVec3, but: u32) -> Option<u32> {
         let holds = |n: &u32| {
             let Ball { center, radius } = self.balls[*n as usize];
             self.is_cut[*n as usize] && *n != but && x.distance_squared(center) < radius * radius
         };
-        let candidates = cells.at(self.projection.place(x)).iter().copied().filter(holds);
+        let candidates = balls.iter().copied().filter(holds);
         candidates.reduce(|a, b| if self.is_before(b, a) { b } else { a })
     }
 }

@@ -390,10 +390,10 @@ fn gradients_are_the_light_of_a_headlight() {
             let [a, b] = [stops[k - 1], stops[k]];
             let lit = paint::lit(own, (1.0 - share * share).sqrt(), style.toning);
             let along = (share - a.at) / (b.at - a.at);
-            for c in 0..3 {
-                let level = f64::from(a.color[c]) + along * (f64::from(b.color[c]) - f64::from(a.color[c]));
+            for (lit, (a, b)) in lit.iter().zip(a.color.iter().zip(&b.color)) {
+                let level = f64::from(*a) + along * (f64::from(*b) - f64::from(*a));
                 // Two levels by the choice of the stops, and one between the places that it looks at.
-                assert!((level - f64::from(lit[c])).abs() <= 3.0, "{own:?} at {share}: {level}, not {}", lit[c]);
+                assert!((level - f64::from(*lit)).abs() <= 3.0, "{own:?} at {share}: {level}, not {lit}");
             }
         }
         assert!(stops.len() < 32, "{} stops", stops.len());

@@ -134,7 +134,8 @@ impl SceneFrame {
         Ok(all)
     }
 
-    /// The names of the spheres by the columns of the groups of a figure, and then by those of [`KNOWN`] that the file has: words and names.
+    /// The names of the spheres by the columns of the groups of a figure, and then by the name, the element, the residue and the chain that the
+    /// file has: words and names.
     ///
     /// # Errors
     /// [`Error::Settings`] for a column of a group that is not there.
