@@ -141,8 +141,8 @@ impl PictureWriter<'_> {
                 return Ok(written(files, Report { resumed: true, number, ..report }, None));
             }
         }
-        self.messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let drawn = figure.as_ref().map(|_| crate::figure::of(self.args, numbered, settings)).transpose()?;
+        self.messages.note(number, format!("rendering on {} ({})", renderer.adapter(), renderer.driver()));
         let mut frame = self.frames(renderer, scene, settings, &targets)?;
         complete(self.args, numbered, &mut frame, panels.as_mut(), (renderer, settings))?;
         self.args

@@ -94,8 +94,12 @@ impl Row {
 /// All rows.
 pub(crate) fn rows() -> Vec<Row> {
     use Effect::{Allows, Bytes, Fails, Nothing};
-    const FIGURE: &[&str] =
-        &["a figure without pixels needs all spheres in memory", "parts have pixels, and a figure has none"];
+    const FIGURE: &[&str] = &[
+        "a figure without pixels needs all spheres in memory",
+        "parts have pixels, and a figure has none",
+        "is a figure, which is not read again",
+        "a curved lens does not show spheres as ellipses",
+    ];
     const LIGHT: &[&str] = &["lights and a sky need all spheres in memory"];
     const CUT: &[&str] = &["is chosen among all spheres in memory", "belongs to the parts"];
     const FORMAT: &[&str] = &["files are not read as a stream"];
