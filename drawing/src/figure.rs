@@ -231,7 +231,7 @@ impl Figure {
         self.counts
     }
 
-    /// What each path shows, with the `d` of the path in SVG: in pixels of the image, to 1e-4; without groups in the order of the paths.
+    /// The surface of each path, with the `d` of the path in SVG: in pixels of the image, to 1e-4; without groups in the order of the paths.
     pub fn paths(&self) -> impl Iterator<Item = (Surface, String)> {
         let paths = self.page.groups.iter().flat_map(|group| &group.paths);
         self.surfaces.iter().copied().zip(paths).map(|(surface, path)| (surface, svg::d(&path.steps)))
@@ -266,7 +266,7 @@ impl Colors<'_> {
 
     /// sRGB of a sphere, or of its faces, under light of a cosine.
     fn flat(&self, id: u32, is_face: bool, cosine: f64) -> [u8; 3] {
-        paint::lit(self.own(id, is_face), cosine, self.style.toning)
+        paint::lighted(self.own(id, is_face), cosine, self.style.toning)
     }
 }
 

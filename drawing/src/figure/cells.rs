@@ -73,6 +73,9 @@ impl Extent {
 const SHARE: f64 = 0.25;
 const MOST: f64 = 2048.0;
 
+/// The part of a cell by which a place may lie beyond the edge on which it is.
+const ON_EDGE: f64 = 1e-6;
+
 impl Cells {
     /// The cells of what lies within a window of the image.
     pub(super) fn new(solids: &Solids, window: [DVec2; 2]) -> Self {
@@ -125,8 +128,8 @@ impl Cells {
                     let low = corner + DVec2::new(column as f64, row as f64) * side;
                     // Wider by what its corners may be rounded.
                     let around = [low - 1e-9 * side, low + (1.0 + 1e-9) * side];
-                    let is_seen = |depth: f64| depth <= bounds[cell];
-                    if is_seen(extent.depth) && extent.nearest(ball, projection, around).is_some_and(is_seen) {
+                    let is_visible = |depth: f64| depth <= bounds[cell];
+                    if is_visible(extent.depth) && extent.nearest(ball, projection, around).is_some_and(is_visible) {
                         entries.push((cell as u32, n));
                     }
                 }
@@ -147,9 +150,11 @@ impl Cells {
 
     /// The balls of the cell of a place; none outside of the cells.
     pub(super) fn at(&self, place: DVec2) -> &[u32] {
-        let [column, row] = ((place - self.corner) / self.side).floor().to_array();
-        let is_within = column >= 0.0 && row >= 0.0 && column <= self.columns as f64 && row <= self.rows as f64;
-        let [column, row] = [(column as usize).min(self.columns - 1), (row as usize).min(self.rows - 1)];
+        let at = (place - self.corner) / self.side;
+        let size = DVec2::new(self.columns as f64, self.rows as f64);
+        // Places on the edges of the window are rounded.
+        let is_within = at.cmpge(DVec2::splat(-ON_EDGE)).all() && at.cmple(size + ON_EDGE).all();
+        let [column, row] = at.clamp(DVec2::ZERO, size - 1.0).to_array().map(|x| x as usize);
         if is_within { self.cell(row * self.columns + column) } else { &[] }
     }
 

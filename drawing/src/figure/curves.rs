@@ -47,7 +47,7 @@ impl Shape {
     }
 }
 
-/// What a curve bounds.
+/// The kind of a curve, by the surfaces that it bounds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     /// The outline of a ball.
@@ -147,13 +147,13 @@ impl<'a> Curves<'a> {
         let found = [
             pass(pairs.len(), &|n, cutter| {
                 let [a, b] = pairs[n].map(|n| about.outline_of[n as usize]);
-                cutter.meet(a, b, &[]);
+                cutter.cross(a, b, &[]);
             }),
             pass(lines - crossings, &|n, cutter| about.cut_crossing((crossings + n) as u32, cutter)),
             pass(listed.len(), &|n, cutter| about.cut_rims(listed[n], cutter)),
             pass(curves.all.len() - lines, &|n, cutter| {
                 let line = (lines + n) as u32;
-                (0..line).for_each(|n| cutter.meet(n, line, &[]));
+                (0..line).for_each(|n| cutter.cross(n, line, &[]));
             }),
         ];
         found.iter().flatten().for_each(|(curve, at)| curves.cuts[*curve as usize].push(*at));
@@ -215,7 +215,7 @@ struct Cutter<'a> {
 
 impl Cutter<'_> {
     /// Whether a point of a curve is not on the far side of one of two balls that cross there.
-    fn may_be_seen(&self, curve: u32, x: DVec3) -> bool {
+    fn may_be_visible(&self, curve: u32, x: DVec3) -> bool {
         let Solids { balls, projection, .. } = self.solids;
         match self.curves[curve as usize].kind {
             Kind::Crossing(of) => of.iter().all(|n| balls[*n as usize].may_face(projection, x)),
@@ -227,7 +227,7 @@ impl Cutter<'_> {
     fn join(&mut self, curve: u32, plane: &Plane, others: &[u32]) {
         let shape = self.curves[curve as usize].shape;
         for at in shape.through(plane) {
-            if self.may_be_seen(curve, shape.point(at)) {
+            if self.may_be_visible(curve, shape.point(at)) {
                 self.found.push((curve, at));
                 others.iter().for_each(|other| self.cut_under(*other, shape.point(at)));
             }
@@ -236,12 +236,12 @@ impl Cutter<'_> {
 
     /// Cuts two curves where they cross in the image, but for crossings that are close to points where they touch: arithmetic may find
     /// two there, or none.
-    fn meet(&mut self, a: u32, b: u32, touched: &[DVec3]) {
+    fn cross(&mut self, a: u32, b: u32, touched: &[DVec3]) {
         let projection = self.solids.projection;
         let projection = &projection;
         let [one, other] = [a, b].map(|n| self.curves[n as usize]);
         let found = match (one.shape, other.shape, other.kind) {
-            (Shape::Line(_), Shape::Circle(_), _) => return self.meet(b, a, touched),
+            (Shape::Line(_), Shape::Circle(_), _) => return self.cross(b, a, touched),
             (_, Shape::Line(line), _) => one.shape.through(&Plane::of_rays(&line, projection)),
             (Shape::Circle(circle), _, Kind::Outline(n)) => circle.touching(&self.solids.balls[n as usize], projection),
             (Shape::Circle(circle), Shape::Circle(rim), Kind::Rim { plane, .. }) => {
@@ -262,7 +262,7 @@ impl Cutter<'_> {
                     Circle::touched(&self.solids.balls[n as usize], x, projection).z < x.z
                 })
             };
-            if !touched.iter().any(is_close) && !is_behind() && self.may_be_seen(a, x) {
+            if !touched.iter().any(is_close) && !is_behind() && self.may_be_visible(a, x) {
                 self.found.push((a, at));
                 self.cut_under(b, x);
             }
@@ -313,7 +313,7 @@ impl About<'_> {
                 if let Kind::Rim { plane, .. } = cutter.curves[rim as usize].kind {
                     cutter.join(n, &planes[plane as usize].plane, &[rim]);
                 }
-                cutter.meet(n, rim, &[]);
+                cutter.cross(n, rim, &[]);
             }
         }
         let [a, b] = of.map(|k| &neighbors[k as usize]);
@@ -322,14 +322,14 @@ impl About<'_> {
             // Where all three surfaces face the eye; elsewhere the point is hidden.
             for at in shape.through(&Plane::between(&balls[of[0] as usize], ball)) {
                 let x = shape.point(at);
-                if ball.may_face(projection, x) && cutter.may_be_seen(n, x) {
+                if ball.may_face(projection, x) && cutter.may_be_visible(n, x) {
                     cutter.found.push((n, at));
                 }
             }
             if -ball.center.z - ball.radius < deepest {
-                cutter.meet(n, outline_of[k as usize], &[]);
+                cutter.cross(n, outline_of[k as usize], &[]);
             }
-            rims_of[k as usize].iter().for_each(|rim| cutter.meet(n, *rim, &[]));
+            rims_of[k as usize].iter().for_each(|rim| cutter.cross(n, *rim, &[]));
         }
     }
 
@@ -349,7 +349,7 @@ impl About<'_> {
                 if let Kind::Rim { plane, .. } = cutter.curves[other as usize].kind {
                     cutter.join(rim, &planes[plane as usize].plane, &[other]);
                 }
-                cutter.meet(rim, other, &[]);
+                cutter.cross(rim, other, &[]);
             }
             for &b in &neighbors[n as usize] {
                 cutter.join(rim, &Plane::between(&balls[n as usize], &balls[b as usize]), &[]);
@@ -357,8 +357,8 @@ impl About<'_> {
                 let is_touched = |x: &DVec3| balls[b as usize].is_touched(projection, projection.place(*x));
                 let touched: Vec<DVec3> = ends.iter().map(|at| shape.point(*at)).filter(is_touched).collect();
                 touched.iter().for_each(|x| cutter.cut_under(outline_of[b as usize], *x));
-                cutter.meet(rim, outline_of[b as usize], &touched);
-                rims_of[b as usize].iter().filter(|_| n < b).for_each(|other| cutter.meet(rim, *other, &[]));
+                cutter.cross(rim, outline_of[b as usize], &touched);
+                rims_of[b as usize].iter().filter(|_| n < b).for_each(|other| cutter.cross(rim, *other, &[]));
             }
         }
     }

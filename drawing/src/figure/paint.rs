@@ -80,7 +80,7 @@ pub(super) struct Stop {
 const LEVELS: f64 = 2.0;
 
 /// The colour of a cosine between the normal and the way back, sRGB.
-pub(super) fn lit(own: [f32; 3], cosine: f64, toning: Toning) -> [u8; 3] {
+pub(super) fn lighted(own: [f32; 3], cosine: f64, toning: Toning) -> [u8; 3] {
     toning.of(own.map(|c| cosine.max(0.0) as f32 * c)).map(level)
 }
 
@@ -90,7 +90,7 @@ pub(super) fn gradient(own: [f32; 3], toning: Toning) -> Vec<Stop> {
     const STEPS: usize = 4096;
     // Closer at the outline, where the light falls fastest.
     let share = |n: usize| (std::f64::consts::FRAC_PI_2 * n as f64 / STEPS as f64).sin();
-    let colors: Vec<[u8; 3]> = (0..=STEPS).map(|n| lit(own, (1.0 - share(n).powi(2)).sqrt(), toning)).collect();
+    let colors: Vec<[u8; 3]> = (0..=STEPS).map(|n| lighted(own, (1.0 - share(n).powi(2)).sqrt(), toning)).collect();
     let fits = |from: usize, to: usize| {
         let step = ((to - from) / 32).max(1);
         (from..to).step_by(step).all(|n| {

@@ -1,5 +1,5 @@
-//! What is seen, as closed lines: curves are cut where they cross each other in the image, and of each piece it is found what is seen on
-//! both sides.
+//! Visible parts as closed lines: curves are cut where they cross each other in the image, and of each piece the surfaces on both sides are
+//! found.
 
 use super::cells::Cells;
 use super::circle::Projection;
@@ -21,7 +21,7 @@ pub(super) struct Piece {
 /// A part of the picture that is one path: what is seen of a sphere, or of a face, or of several that are not told apart.
 #[derive(Debug, Clone)]
 pub(super) struct Region {
-    /// What is seen in it; of several the first.
+    /// The visible surface; of several the first.
     pub(super) surface: Surface,
     /// Closed lines; a point is inside that lies within an odd number of them.
     pub(super) lines: Vec<Vec<Piece>>,
@@ -92,7 +92,7 @@ impl Scene<'_> {
         (one != other).then_some(if is_left { [one, other] } else { [other, one] })
     }
 
-    /// What is on the sides of a piece; `None` where it bounds nothing.
+    /// The surfaces on the sides of a piece; `None` where it bounds nothing.
     fn sides(&self, curve: &Curve, piece: &Piece) -> Option<Sides> {
         let Self { solids, cells, window: [low, high] } = self;
         let projection = &solids.projection;
@@ -103,8 +103,8 @@ impl Scene<'_> {
         let is_left = |of: DVec2| (of - place).dot(left) > 0.0;
         let ball = |n: u32| &solids.balls[n as usize];
         if curve.kind == Kind::Edge {
-            let seen = solids.nearest(cells.at(place), place, Question::default())?.1;
-            return Self::sorted(is_left(0.5 * (*low + *high)), Some(seen), None);
+            let nearest = solids.nearest(cells.at(place), place, Question::default())?.1;
+            return Self::sorted(is_left(0.5 * (*low + *high)), Some(nearest), None);
         }
         if place.cmplt(*low).any() || place.cmpgt(*high).any() {
             return None;

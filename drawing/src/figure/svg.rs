@@ -8,6 +8,9 @@ use crate::inset::sheet::{Halo, Shape, Sheet};
 use glam::DVec2;
 use std::fmt::Write;
 
+/// The radius that is rounded to 0.
+const NONE: f64 = 5e-5;
+
 /// The value of `d` of a path of closed lines, in units of the picture to 1e-4.
 pub(super) fn d(path: &[Step]) -> String {
     lines(path, "Z")
@@ -26,6 +29,8 @@ fn lines(path: &[Step], end: &str) -> String {
             Step::Line(_) if place == last => Ok(()),
             Step::Arc { way, .. } if place == last && way.abs() < 1.0 => Ok(()),
             Step::Line(_) => write!(d, "L{place}"),
+            // An ellipse without a width is a line.
+            Step::Arc { ellipse, .. } if ellipse.axes[1] < NONE => write!(d, "L{place}"),
             Step::Arc { ellipse, way, .. } => {
                 let [a, b] = ellipse.axes;
                 let turn = if number(a) == number(b) { "0".into() } else { number(ellipse.turn.to_degrees()) };

@@ -294,7 +294,7 @@ fn figures_show_what_frames_show() {
 
 /// The outline of a ball beside the axis is tilted: it reaches behind the middle of the ball.
 #[test]
-fn figures_beside_the_axis_show_what_frames_show() {
+fn off_axis_figures_show_what_frames_show() {
     let ((mut renderer, settings), mut count) = (renderer(), Count::default());
     for case in [0_u64, 5, 11, 17, 23, 29] {
         let (name, spheres) = hard(case, [0.0; 3]);
@@ -365,10 +365,10 @@ fn paths_have_names_and_groups() {
     let svg = |shade: Shade, names: &FigureNames<'_>| {
         Figure::new(&three(), FigureStyle { shade, ..style }, Some(names)).expect("a figure").svg(None)
     };
-    let lit = svg(Shade::Headlight, &names);
-    assert_eq!(attributes(&lit, "g", "data-Chain"), ["a<1>", "b"]);
-    assert_eq!(attributes(&lit, "path", "id").len(), 3);
-    assert_eq!(attributes(&lit, "path", "data-atom-name").iter().filter(|value| *value == "\"2\"").count(), 1);
+    let shown = svg(Shade::Headlight, &names);
+    assert_eq!(attributes(&shown, "g", "data-Chain"), ["a<1>", "b"]);
+    assert_eq!(attributes(&shown, "path", "id").len(), 3);
+    assert_eq!(attributes(&shown, "path", "data-atom-name").iter().filter(|value| *value == "\"2\"").count(), 1);
     // Of one colour in one group, and without a line between them.
     let flat = svg(Shade::Flat, &names);
     assert_eq!(attributes(&flat, "path", "id"), ["s0", "s2"]);
@@ -376,7 +376,7 @@ fn paths_have_names_and_groups() {
     let alone = svg(Shade::Flat, &FigureNames { groups: 0, ..names });
     assert_eq!(attributes(&alone, "path", "id"), ["s0", "s1", "s2"]);
     // Colours of a sphere from its middle to its outline: one list for each of two, one gradient for each of three.
-    assert_eq!(attributes(&lit, "radialGradient", "id").len(), 2 + 3);
+    assert_eq!(attributes(&shown, "radialGradient", "id").len(), 2 + 3);
 }
 
 #[test]
@@ -388,12 +388,12 @@ fn gradients_are_the_light_of_a_headlight() {
             let share = f64::from(n) / 1000.0;
             let k = stops.iter().position(|stop| stop.at > share).expect("a stop at 1");
             let [a, b] = [stops[k - 1], stops[k]];
-            let lit = paint::lit(own, (1.0 - share * share).sqrt(), style.toning);
+            let shown = paint::lighted(own, (1.0 - share * share).sqrt(), style.toning);
             let along = (share - a.at) / (b.at - a.at);
-            for (lit, (a, b)) in lit.iter().zip(a.color.iter().zip(&b.color)) {
+            for (shown, (a, b)) in shown.iter().zip(a.color.iter().zip(&b.color)) {
                 let level = f64::from(*a) + along * (f64::from(*b) - f64::from(*a));
                 // Two levels by the choice of the stops, and one between the places that it looks at.
-                assert!((level - f64::from(*lit)).abs() <= 3.0, "{own:?} at {share}: {level}, not {lit}");
+                assert!((level - f64::from(*shown)).abs() <= 3.0, "{own:?} at {share}: {level}, not {shown}");
             }
         }
         assert!(stops.len() < 32, "{} stops", stops.len());
