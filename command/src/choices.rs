@@ -30,6 +30,7 @@ use halfline_files::read::{Keep, ReadOptions, SceneFrame};
 use halfline_files::write::file::Target;
 use halfline_files::write::format::FormatOptions;
 use halfline_files::write::mattes;
+use halfline_files::write::vector::VectorFormat;
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -87,6 +88,14 @@ pub struct ChosenFigure {
     pub panels: Option<Panels>,
     /// Warnings, in whole sentences.
     pub warnings: Vec<String>,
+}
+
+impl ChosenFigure {
+    /// The bytes of its file in a format.
+    #[must_use]
+    pub fn bytes(&self, format: VectorFormat) -> Vec<u8> {
+        figure::bytes(&self.figure, format, self.panels.as_ref())
+    }
 }
 
 /// The parser, and the options that it has read.

@@ -7,8 +7,10 @@ use halfline::frame::tone::Toning;
 use halfline::quote::setting::{CROP, DEPTH_CUE_STRENGTH, DETAIL, SAMPLES, TILE};
 use halfline::report::FigureCounts;
 use halfline::settings::Settings;
-use halfline_drawing::figure::{Figure, FigureNames, FigureStyle};
+use halfline_drawing::figure::{Figure, FigureNames, FigureStyle, refused};
+use halfline_drawing::inset::Panels;
 use halfline_files::write::format::Dpi;
+use halfline_files::write::vector::VectorFormat;
 use std::path::Path;
 
 /// Checks the options of a figure against the other options.
@@ -45,7 +47,7 @@ pub(super) fn of(args: &SceneArgs, picture: &PictureScene, settings: &Settings) 
         (settings.depth_cue, "a depth cue changes colours with depth", format!("remove it and {DEPTH_CUE_STRENGTH}")),
     ];
     if let Some((_, problem, mend)) = cases.into_iter().find(|(is_given, ..)| *is_given) {
-        return Err(Error::settings(format!("a figure without pixels: {problem}"), format!("{mend}, or write a PNG")));
+        return Err(refused(problem, &mend));
     }
     let style = FigureStyle {
         shade: settings.shade,
@@ -62,6 +64,14 @@ pub(super) fn of(args: &SceneArgs, picture: &PictureScene, settings: &Settings) 
         value: &|column, id| names[column].1.name(id),
     };
     Figure::new(&picture.scene, style, Some(&names))
+}
+
+/// The bytes of the file of a figure, with panels over it.
+pub(super) fn bytes(figure: &Figure, format: VectorFormat, panels: Option<&Panels>) -> Vec<u8> {
+    match format {
+        VectorFormat::Svg => figure.svg(panels).into_bytes(),
+        VectorFormat::Pdf => figure.pdf(panels),
+    }
 }
 
 /// A sentence on a figure that is written.

@@ -298,7 +298,9 @@ fn refuse(scene: &Scene, style: FigureStyle) -> Result<()> {
     }
 }
 
-fn refused(problem: &str, mend: &str) -> Error {
+/// The error for a picture that a figure cannot show, with a mend besides pixels.
+#[must_use]
+pub fn refused(problem: &str, mend: &str) -> Error {
     Error::settings(format!("a figure without pixels: {problem}"), format!("{mend}, or write a PNG"))
 }
 

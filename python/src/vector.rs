@@ -46,20 +46,16 @@ impl Figure {
     }
 
     fn pdf<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &py.detach(|| self.0.figure.pdf(self.0.panels.as_ref())))
+        PyBytes::new(py, &py.detach(|| self.0.bytes(VectorFormat::Pdf)))
     }
 
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         Job::default().run(py, None, || {
-            let ChosenFigure { figure, panels, .. } = &self.0;
-            let bytes = match VectorFormat::of(&path) {
-                Some(VectorFormat::Svg) => figure.svg(panels.as_ref()).into_bytes(),
-                Some(VectorFormat::Pdf) => figure.pdf(panels.as_ref()),
-                None => {
-                    let problem = format!("{} cannot hold a figure without pixels", path.display());
-                    return Err(Error::settings(problem, "use the file name extension .svg or .pdf"));
-                }
-            };
+            let format = VectorFormat::of(&path).ok_or_else(|| {
+                let problem = format!("{} cannot hold a figure without pixels", path.display());
+                Error::settings(problem, "use the file name extension .svg or .pdf")
+            })?;
+            let bytes = self.0.bytes(format);
             check_writable(&path)?;
             write_atomically(&path, |out| out.write_all(&bytes))
         })

@@ -223,10 +223,7 @@ impl PictureWriter<'_> {
         (path, format): (&Path, VectorFormat),
         panels: Option<&Panels>,
     ) -> Result<(FigureCounts, Vec<u8>)> {
-        let bytes = match format {
-            VectorFormat::Svg => figure.svg(panels).into_bytes(),
-            VectorFormat::Pdf => figure.pdf(panels),
-        };
+        let bytes = crate::figure::bytes(figure, format, panels);
         if !self.in_memory {
             write_atomically(path, |out| out.write_all(&bytes))?;
         }

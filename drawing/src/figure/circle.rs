@@ -90,7 +90,7 @@ impl Ball {
         Some([first, (b + root) / a])
     }
 
-    /// Whether the ray of a place touches the ball, as near as places are told apart.
+    /// Whether the ray of a place touches the ball: the square of its distance from the centre is that of the radius within [`NEAR`].
     pub(super) fn is_touched(&self, projection: &Projection, place: DVec2) -> bool {
         let (start, along) = projection.ray(place);
         let away = self.center - start;

@@ -155,8 +155,8 @@ impl Document {
 
     /// Sets the paint of a path, and of a line of its colour around it.
     fn paint(&mut self, path: &Path) {
-        let (color, of) = match path.paint {
-            Paint::Flat(color) => (rgb(color), ["rg", "RG"]),
+        let operators = match path.paint {
+            Paint::Flat(color) => format!("{0} rg {0} RG ", rgb(color)),
             Paint::Radial { stops, matrix: [a, b, c, d, e, f], focus } => {
                 let pattern = self.take();
                 let matrix = DAffine2::from_cols(DVec2::new(a, b), DVec2::new(c, d), DVec2::new(e, f));
@@ -168,17 +168,10 @@ impl Document {
                 function.coords([focus.x as f32, focus.y as f32, 0.0, 0.0, 0.0, 1.0]).function(gradient);
                 function.extend([false, true]);
                 self.patterns.push(pattern);
-                (format!("/P{}", self.patterns.len() - 1), ["/Pattern cs", "/Pattern CS"])
+                format!("/Pattern cs /P{0} scn /Pattern CS /P{0} SCN ", self.patterns.len() - 1)
             }
         };
-        let _ = match path.paint {
-            Paint::Flat(_) => write!(self.content, "{color} {} ", of[0]),
-            Paint::Radial { .. } => write!(self.content, "{} {color} scn ", of[0]),
-        };
-        let _ = match path.paint {
-            Paint::Flat(_) => write!(self.content, "{color} {} ", of[1]),
-            Paint::Radial { .. } => write!(self.content, "{} {color} SCN ", of[1]),
-        };
+        self.content += &operators;
     }
 
     fn add_sheet(&mut self, at: DVec2, sheet: &Sheet) {

@@ -92,6 +92,12 @@ impl Scene<'_> {
         (one != other).then_some(if is_left { [one, other] } else { [other, one] })
     }
 
+    /// The nearest surface at a place, or none, behind a point of a curve at a depth; `None` if one hides the point.
+    fn beyond(&self, place: DVec2, near: f64, question: Question) -> Option<Option<Surface>> {
+        let other = self.solids.nearest(self.cells.at(place), place, Question { near, ..question });
+        (!other.is_some_and(|(depth, _)| depth < near)).then(|| other.map(|(_, surface)| surface))
+    }
+
     /// The surfaces on the sides of a piece; `None` where it bounds nothing.
     fn sides(&self, curve: &Curve, piece: &Piece) -> Option<Sides> {
         let Self { solids, cells, window: [low, high] } = self;
@@ -110,11 +116,7 @@ impl Scene<'_> {
             return None;
         }
         let is_there = |n: u32| !solids.is_cut[n as usize] || solids.keep(x, [u32::MAX; 2]);
-        // What is seen there besides; `None` if it hides the curve.
-        let beyond = |question: Question| {
-            let other = solids.nearest(cells.at(place), place, Question { near: own, ..question });
-            (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
-        };
+        let beyond = |question: Question| self.beyond(place, own, question);
         match curve.kind {
             Kind::Edge => None,
             Kind::Outline(n) => {
@@ -170,27 +172,24 @@ impl Scene<'_> {
         if !solids.keep(x, [plane; 2]) {
             return None;
         }
-        let nearest = |but: u32, on_edge: Option<(u32, bool)>| {
-            let but = [but; 2];
-            let question = Question { but, near: own, without: [plane; 2], on_edge };
-            let other = solids.nearest(cells.at(place), place, question);
-            (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
+        let beyond = |on_edge: Option<(u32, bool)>| {
+            self.beyond(place, own, Question { but: [n; 2], without: [plane; 2], on_edge, ..Question::default() })
         };
         match self.way(plane, x) {
             Way::EdgeOn if is_cut && is_entry => {
-                nearest(n, Some((plane, true)))?;
-                let other = nearest(n, Some((plane, false)))?;
+                beyond(Some((plane, true)))?;
+                let other = beyond(Some((plane, false)))?;
                 Self::sorted(self.is_kept_toward(plane, left), Some(Surface::of(n)), other)
             }
             Way::Left if is_cut && is_entry => {
-                let other = nearest(n, None)?;
+                let other = beyond(None)?;
                 let normal = x - solids.balls[n as usize].center;
                 let moved = projection.shift(normal, x, left / projection.scale);
                 let is_left = solids.cuts[plane as usize].plane.normal.dot(moved) < 0.0;
                 Self::sorted(is_left, Some(Surface::of(n)), other)
             }
             Way::Entered => {
-                let other = nearest(n, None)?;
+                let other = beyond(None)?;
                 let owner = solids.owner(cells.at(place), x, n);
                 let face = |sphere: u32| Some(Surface { sphere, face: Some(plane) });
                 let Shape::Circle(circle) = curve.shape else { return None };
@@ -219,9 +218,7 @@ impl Scene<'_> {
         let (place, own) = (projection.place(x), -x.z);
         let owner = solids.owner(cells.at(place), x, u32::MAX)?;
         let beyond = |on_edge: Option<(u32, bool)>| {
-            let question = Question { near: own, without: planes, on_edge, ..Question::default() };
-            let other = solids.nearest(cells.at(place), place, question);
-            (!other.is_some_and(|(depth, _)| depth < own)).then(|| other.map(|(_, surface)| surface))
+            self.beyond(place, own, Question { without: planes, on_edge, ..Question::default() })
         };
         let other = beyond(None)?;
         let ways = planes.map(|plane| self.way(plane, x));
