@@ -1,5 +1,6 @@
 //! The device side: which adapter, which shader text, and the dispatches of a frame.
 
+pub(crate) mod alone;
 mod clock;
 pub(crate) mod compose;
 pub(crate) mod device;

@@ -1,5 +1,6 @@
 //! Adapters: listing, selecting and opening them.
 
+use super::alone::alone;
 use super::wait::{Pending, block_on};
 use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::setting::{ADAPTER, BACKEND};
@@ -82,6 +83,7 @@ pub(crate) fn find() -> Result<Vec<FoundAdapter>> {
 /// # Errors
 /// [`Error::Adapter`] if WGPU_BACKEND names an unknown backend.
 pub fn adapters() -> Result<Vec<AdapterSummary>> {
+    let _alone = alone();
     Ok(find()?.into_iter().map(|found| found.summary).collect())
 }
 

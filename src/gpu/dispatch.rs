@@ -279,8 +279,7 @@ impl Gpu {
         Ok(())
     }
 
-    /// The pipeline of a shader that has not run yet. Pipelines are compiled one after the other: side by side, eight
-    /// renderers of a process hung on NVIDIA's driver.
+    /// The pipeline of a shader that has not run yet.
     pub(super) fn built(&self, source: &Source, capabilities: Capabilities, label: &str) -> Result<Pipeline> {
         let (module, info) = validate(source, capabilities)?;
         let bindings = bindings(&module, &info);

@@ -1,5 +1,6 @@
 //! Parses and validates composed shaders, and compiles them.
 
+use super::alone::alone;
 use super::compose::Source;
 use halfline_ground::error::{Error, Result};
 use naga::valid::{Capabilities, ValidationFlags, Validator};
@@ -37,6 +38,7 @@ pub(super) fn compile(
     module: naga::Module,
 ) -> wgpu::ComputePipeline {
     let descriptor = wgpu::ShaderModuleDescriptor { label: Some(label), source: shader(source, module) };
+    let _alone = alone();
     let shader = device.create_shader_module(descriptor);
     device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some(label),

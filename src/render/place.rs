@@ -4,6 +4,7 @@
 mod tests;
 
 use crate::gpu::Gpu;
+use crate::gpu::alone::alone;
 use crate::gpu::device::{self, FoundAdapter};
 use crate::settings::{Backend, Settings};
 use halfline_ground::error::{Error, Result};
@@ -42,6 +43,7 @@ impl ChosenDevice {
         if settings.backend == Backend::Cpu {
             return Ok(Self::cpu("the CPU path was requested"));
         }
+        let _alone = alone();
         let named = settings.adapter.clone().or_else(|| std::env::var("WGPU_ADAPTER_NAME").ok());
         if let (None, Backend::Auto) = (&named, settings.backend) {
             return Ok(Self::first(device::find()?));
@@ -58,12 +60,16 @@ impl ChosenDevice {
     }
 
     fn none() -> Self {
-        Self { has_no_adapter: true, ..Self::cpu("no Vulkan, Metal or DX12 adapter was found") }
+        let mut place = Self::cpu("no Vulkan, Metal or DX12 adapter was found");
+        place.has_no_adapter = true;
+        place
     }
 
     /// An adapter that is open.
     pub(super) fn adapter(gpu: Gpu, reason: &str) -> Self {
-        Self { gpu: Some(Box::new(gpu)), ..Self::cpu(reason) }
+        let mut place = Self::cpu(reason);
+        place.gpu = Some(Box::new(gpu));
+        place
     }
 
     fn open(found: &FoundAdapter, reason: &str) -> Result<Self> {
@@ -83,7 +89,7 @@ impl ChosenDevice {
             Error::Limits { .. } if gpu.room.is_exhausted() => return Ok(format!("{}: {INSTEAD}", gpu.exhausted())),
             error => return Err(error),
         };
-        self.gpu = None;
+        self.close();
         self.reason.clone_from(&warning);
         self.passed_over.push(warning.clone());
         Ok(warning)
@@ -110,12 +116,29 @@ impl ChosenDevice {
                 false => Self::open(found, &format!("{name} is the first adapter that can be used")),
             }
         };
-        if let Some(place) = device::open_first(&found, open, &mut passed_over) {
-            return Self { passed_over, ..place };
+        if let Some(mut place) = device::open_first(&found, open, &mut passed_over) {
+            place.passed_over = passed_over;
+            return place;
         }
         if let Some(last) = passed_over.last_mut() {
             last.push_str(": falling back to the CPU path");
         }
-        Self { passed_over, ..Self::cpu("no adapter that was found can be used") }
+        let mut place = Self::cpu("no adapter that was found can be used");
+        place.passed_over = passed_over;
+        place
+    }
+
+    /// Drops the device, while no other thread uses its driver.
+    fn close(&mut self) {
+        if let Some(gpu) = self.gpu.take() {
+            let _alone = alone();
+            drop(gpu);
+        }
+    }
+}
+
+impl Drop for ChosenDevice {
+    fn drop(&mut self) {
+        self.close();
     }
 }

@@ -54,6 +54,7 @@ mod selftest;
 mod splat;
 mod stream;
 mod streams;
+mod threads;
 mod truth;
 mod twins;
 mod units;
