@@ -1,6 +1,7 @@
 //! The device side: which adapter, which shader text, and the dispatches of a frame.
 
 pub(crate) mod alone;
+mod busy;
 mod clock;
 pub(crate) mod compose;
 pub(crate) mod device;

@@ -10,6 +10,7 @@ use super::picture_scene::PictureScene;
 use super::render::picture::{complete, write_legend};
 use super::scene_args::SceneArgs;
 use super::scene_frames;
+use super::together::{SpheresOf, together};
 use super::view::{Given, Parser, WrittenOption};
 use halfline::error::Result;
 use halfline::explain::Explanation;
@@ -289,6 +290,14 @@ impl ChosenPicture<'_> {
         frame.report.warnings.extend(mattes::warnings(&picture.mattes, &frame));
         let (scene, mattes) = (picture.scene.clone(), picture.mattes.clone());
         Ok(Rendered { scene, settings, frame, panels, mattes, transparent: args.files.transparent })
+    }
+
+    /// The number of pictures of these spheres that are rendered together, on a device or the CPU path.
+    #[must_use]
+    pub fn together(&self, is_gpu: bool) -> usize {
+        let Scene { image, spheres, .. } = &self.picture.scene;
+        let pixels = image.width as usize * image.height as usize;
+        together(is_gpu, pixels, spheres.len(), SpheresOf::All).max(1)
     }
 
     /// Writes the file of the legend, if one is requested.

@@ -64,6 +64,7 @@ mod signals;
 mod standard;
 mod tally;
 mod threads;
+mod together;
 mod trace;
 mod typed;
 mod values;
@@ -86,6 +87,10 @@ pub mod shown {
     pub use crate::page::{MadePage, make as make_page};
     pub use crate::view::{Content, MemoryScene, PageText, WrittenOption, pose, stage};
 }
+
+/// Items that lanes work on together, in order; the Python package renders frames so.
+#[cfg(feature = "view")]
+pub use threads::pipeline;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use config::Config;

@@ -20,14 +20,15 @@ use super::scene_frames::SceneFrames;
 use super::signals::{go_on, watch};
 use super::standard::print_json;
 use super::threads;
+use super::together::{SpheresOf, together};
 use super::values::at_least_one;
 use super::visible;
 use clap::Args;
 use halfline::error::{Error, Result};
 use halfline::frame::Aov;
-use halfline::parallel;
 use halfline::progress::Cancel;
 use halfline::render::Renderer;
+use halfline::scene::Scene;
 use halfline::settings::Settings;
 use halfline_files::read::read_once;
 use halfline_files::write::file::{Target, is_special};
@@ -65,10 +66,6 @@ pub(crate) struct Render {
     quiet: QuietArgs,
 }
 
-/// The most spheres of all scenes that are in memory together, and the most pixels of their frames: some hundred bytes
-/// each.
-const TOGETHER: usize = 1 << 22;
-
 /// The opened file, unless it was a stream, and its first scene.
 type First<'a> = (Option<SceneFrames<'a>>, Option<PictureScene>);
 
@@ -105,17 +102,15 @@ enum Concurrency {
     Alone,
     /// The next scene.
     Next,
-    /// At most this many pictures that are rendered together.
+    /// So many pictures that are rendered together.
     Pictures(usize),
 }
 
 impl Concurrency {
-    /// The number of pictures that are rendered together. The serial parts of one run beside the others; a device does
-    /// the rest of one picture at a time.
-    fn lanes(self, is_gpu: bool) -> usize {
+    fn lanes(self) -> usize {
         match self {
             Self::Alone | Self::Next => 1,
-            Self::Pictures(most) => most.min(if is_gpu { 2 } else { parallel::threads() }).max(1),
+            Self::Pictures(lanes) => lanes,
         }
     }
 }
@@ -190,12 +185,12 @@ impl Render {
         let ((frames, first), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress.progress, self.repeat.get().saturating_mul(self.args.expected()));
         note_fallback(&renderer);
-        let concurrency = first.as_ref().map_or(Concurrency::Alone, |first| self.concurrency(first, &targets));
+        let concurrency =
+            first.as_ref().map_or(Concurrency::Alone, |first| self.concurrency(first, &targets, renderer.is_gpu()));
         let mut renderers = vec![renderer.watched_by(bar.watch())];
-        let lanes = concurrency.lanes(renderers[0].is_gpu());
-        while renderers.len() < lanes {
+        while renderers.len() < concurrency.lanes() {
             // Progress is that of the first.
-            renderers.push(Renderer::new(&settings)?.watched_by(watch()));
+            renderers.push(renderers[0].another().watched_by(watch()));
         }
         let messages = Messages::new(Some(&bar));
         let writer = PictureWriter {
@@ -252,17 +247,18 @@ impl Render {
 
     /// Limits of the pictures in memory besides the first, by its spheres and pixels. Pictures that are shown, piped or timed
     /// are rendered one after the other.
-    fn concurrency(&self, first: &PictureScene, targets: &[Target]) -> Concurrency {
-        let image = first.scene.image;
-        let size = first.scene.spheres.len().max(image.width as usize * image.height as usize).max(1);
+    fn concurrency(&self, first: &PictureScene, targets: &[Target], is_gpu: bool) -> Concurrency {
+        let Scene { image, spheres, .. } = &first.scene;
+        let pixels = image.width as usize * image.height as usize;
+        let of = if self.args.read.frames.is_some() { SpheresOf::Each } else { SpheresOf::All };
         let is_piped = targets.iter().any(|target| target.is_standard() || is_special(target.path()));
         let in_turn = self.preview.is_some() || self.repeat.get() > 1 || self.progress.progress.is_lines() || is_piped;
-        match TOGETHER / size {
+        match together(is_gpu, pixels, spheres.len(), of) {
             _ if !self.args.is_many() => Concurrency::Alone,
             0 => Concurrency::Alone,
             1 => Concurrency::Next,
             _ if in_turn => Concurrency::Next,
-            most => Concurrency::Pictures(most),
+            lanes => Concurrency::Pictures(lanes),
         }
     }
 

@@ -28,7 +28,7 @@ type Counted<T> = (u64, Result<T>);
 ///
 /// # Errors
 /// The first error in the order of the items.
-pub(super) fn pipeline<T: Send, L: Send, R: Send>(
+pub fn pipeline<T: Send, L: Send, R: Send>(
     next: impl FnMut() -> Result<Option<T>> + Send,
     lanes: Vec<L>,
     cancel: &Cancel,

@@ -8,17 +8,17 @@
 //! hardware frames SPHERES LOOK SIDE FRAMES BACKEND SECONDS
 //! hardware inside SPHERES                 # the eye in the middle of a cloud
 //! hardware film SPHERES FRAMES            # spheres that move
+//! hardware films SPHERES LOOK SIDE FRAMES # a moving camera, one frame after the other and two in flight
 //! hardware rays SPHERES RAYS              # given rays, device and CPU path
 //! hardware methods SPHERES SIDE           # every method, device and CPU path
 //! ```
 //! A step prints one line of JSON. `note TEXT` and `line STEP WORDS CODE SECONDS STDOUT STDERR` print lines of a report, and
-//! `report LINES JSON MARKDOWN` writes it. Exit code: 0 good, 1 a wrong answer or a line about one, 2 usage, 3 an error.
+//! `report LINES JSON` writes it; tests/hardware.d/page makes a page of it. Exit code: 0 good, 1 a wrong answer or a line about one, 2 usage, 3 an error.
 
 #[path = "../cloud/mod.rs"]
 mod cloud;
 mod compare;
 mod lattice;
-mod page;
 mod report;
 mod scenes;
 mod times;
@@ -56,15 +56,16 @@ fn step(words: &[&str]) -> Result<Option<Value>> {
         }
         ["inside", count] => times::inside(value(count)?)?,
         ["film", count, many] => times::film(value(count)?, value(many)?)?,
+        ["films", count, look, side, many] => times::films(value(count)?, look, value(side)?, value(many)?)?,
         ["rays", count, many] => compare::rays(value(count)?, value(many)?)?,
         ["methods", count, side] => compare::methods(value(count)?, value(side)?)?,
         ["note", text] => json!({ "step": "machine", "what": text }),
         ["line", step, words, code, seconds, out, err] => {
             report::line(step, words, value(code)?, value(seconds)?, [out, err])?
         }
-        ["report", lines, to_json, to_markdown] => {
-            report::write(lines, to_json, to_markdown)?;
-            json!({ "report": to_markdown })
+        ["report", lines, to] => {
+            report::write(lines, to)?;
+            json!({ "report": to })
         }
         _ => return Ok(None),
     }))

@@ -1,6 +1,6 @@
-//! The report: a line of JSON for every step, all lines as one JSON file, and a page of Markdown.
+//! The report: a line of JSON for every step, and all lines as one JSON file.
 
-use super::{Result, page};
+use super::Result;
 use serde_json::{Value, json};
 
 /// A line about a step that has ended: what it printed, and the end of its messages.
@@ -45,11 +45,10 @@ fn suite(record: &Value) -> Value {
     json!({ "runs": runs, "pixels": pixels, "wrong": wrong, "distance": distance, "normal_degrees": normal, "good": good })
 }
 
-/// Writes the report of all lines as JSON and as Markdown.
-pub(crate) fn write(lines: &str, to_json: &str, to_markdown: &str) -> Result<()> {
+/// Writes the report of all lines.
+pub(crate) fn write(lines: &str, to: &str) -> Result<()> {
     let text = std::fs::read_to_string(lines)?;
     let all: Vec<Value> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-    std::fs::write(to_json, serde_json::to_string_pretty(&all)?)?;
-    std::fs::write(to_markdown, page::page(&all))?;
+    std::fs::write(to, serde_json::to_string_pretty(&all)?)?;
     Ok(())
 }

@@ -67,6 +67,17 @@ impl Times {
         }
     }
 
+    /// Adds those of another renderer.
+    pub(crate) fn join(&mut self, other: Self) {
+        self.0.iter_mut().zip(other.0).for_each(|(times, more)| times.extend(more));
+    }
+
+    /// The share of the time in which the device had work.
+    pub(crate) fn busy(&self) -> f64 {
+        let [frame, host, _] = self.0.each_ref().map(|times| times.iter().sum::<f64>());
+        1.0 - host / frame
+    }
+
     /// Their medians.
     pub(crate) fn medians(&self) -> Value {
         let [frame, host, kernel] = &self.0;

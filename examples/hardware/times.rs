@@ -7,6 +7,8 @@ use halfline::{Backend, Look, Renderer, Scene, Settings};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread;
 use std::time::Instant;
 
 /// The first frame, the second, frames from one camera, and frames whose camera goes round the cloud.
@@ -22,18 +24,64 @@ pub(crate) fn frames(count: usize, look: &str, side: u32, many: usize, backend: 
     };
     let (first, second) = (one()?, one()?);
     let (steady, last) = series(&mut renderer, &settings, many, seconds / 2.0, |_| scene.clone())?;
-    let (moving, _) = series(&mut renderer, &settings, many, seconds / 2.0, |n| {
-        let mut turned = scene.clone();
-        let (middle, angle) = (DVec3::splat(0.5), 0.02 * (n + 1) as f64);
-        turned.camera.eye = middle + DMat3::from_rotation_y(angle) * (scene.camera.eye - middle);
-        turned
-    })?;
+    let (moving, _) = series(&mut renderer, &settings, many, seconds / 2.0, |n| turned(&scene, n))?;
     Ok(json!({
         "spheres": count, "look": look, "side": side, "backend": backend.name(),
         "shader_cache": std::env::var_os("MESA_SHADER_CACHE_DISABLE").is_none(), "first": first,
         "second_ms": second["frame_ms"], "steady": steady, "moving": moving, "last": last, "host_mib": peak_memory(),
         "device_mib": device_memory(),
     }))
+}
+
+/// View `n` from a camera that goes round the cloud.
+fn turned(scene: &Scene, n: usize) -> Scene {
+    let mut turned = scene.clone();
+    let (middle, angle) = (DVec3::splat(0.5), 0.02 * (n + 1) as f64);
+    turned.camera.eye = middle + DMat3::from_rotation_y(angle) * (scene.camera.eye - middle);
+    turned
+}
+
+/// A film round the cloud: one frame after the other, and two in flight.
+pub(crate) fn films(count: usize, look: &str, side: u32, many: usize) -> Result {
+    let (scene, settings) = looked(count, look, side, Backend::Gpu)?;
+    let renderer = Renderer::new(&settings)?;
+    let mut two = [renderer.another(), renderer];
+    // First frames compile.
+    film_by(&mut two, &scene, &settings, 4)?;
+    let in_turn = film_by(&mut two[..1], &scene, &settings, many)?;
+    let in_flight = film_by(&mut two, &scene, &settings, many)?;
+    let (host_mib, device_mib) = (peak_memory(), device_memory());
+    Ok(json!({
+        "spheres": count, "look": look, "side": side, "frames": many, "in_turn": in_turn, "in_flight": in_flight,
+        "host_mib": host_mib, "device_mib": device_mib,
+    }))
+}
+
+/// The time of a frame of a film that these renderers make together, and the mean share of it in which the device has work.
+fn film_by(renderers: &mut [Renderer], scene: &Scene, settings: &Settings, many: usize) -> Result<Value> {
+    let (next, started) = (AtomicUsize::new(0), Instant::now());
+    let work = |renderer: &mut Renderer| -> halfline::Result<Times> {
+        let mut times = Times::default();
+        loop {
+            let n = next.fetch_add(1, Ordering::Relaxed);
+            if n >= many {
+                return Ok(times);
+            }
+            let frame = renderer.render(&turned(scene, n), settings)?;
+            times.add(&frame);
+            renderer.recycle(frame);
+        }
+    };
+    let parts: Vec<_> = thread::scope(|scope| {
+        let threads: Vec<_> = renderers.iter_mut().map(|renderer| scope.spawn(|| work(renderer))).collect();
+        threads.into_iter().map(|thread| thread.join().map_err(|_| "a renderer panicked")).collect()
+    });
+    let frame_ms = started.elapsed().as_secs_f64() * 1e3 / many as f64;
+    let mut all = Times::default();
+    for part in parts {
+        all.join(part??);
+    }
+    Ok(json!({ "frame_ms": frame_ms, "busy": all.busy() }))
 }
 
 /// The medians of up to `many` frames in some seconds, and what the last one reports.

@@ -8,6 +8,7 @@ mod operator;
 pub mod parallel;
 pub mod progress;
 pub mod quote;
+mod shared;
 pub mod srgb;
 pub mod trailer;
 
@@ -15,3 +16,4 @@ pub use cell::Cell;
 pub use error::{Error, Result};
 pub use operator::Operator;
 pub use progress::{Cancel, Progress, Step, Watch};
+pub use shared::Shared;

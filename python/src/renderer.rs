@@ -75,7 +75,7 @@ impl Renderer {
         self.rendered(py, progress.as_ref(), &chosen, of_part)
     }
 
-    /// Renders a picture for each camera, one ahead of the caller.
+    /// Renders a picture for each camera, ahead of the caller.
     fn render_many(
         &self,
         py: Python<'_>,
@@ -83,7 +83,8 @@ impl Renderer {
         cameras: Vec<Camera>,
         options: &Bound<'_, PyDict>,
     ) -> PyResult<Frames> {
-        Frames::start(py, self.shared.clone(), scene, cameras, Chosen::of(options)?, self.backend)
+        let place = (self.shared.clone(), self.backend, self.is_gpu);
+        Frames::start(py, place, scene, cameras, Chosen::of(options)?)
     }
 
     /// The requirements of a picture of the scene, as JSON; no ray is traced.

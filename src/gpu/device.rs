@@ -1,6 +1,7 @@
 //! Adapters: listing, selecting and opening them.
 
 use super::alone::alone;
+use super::busy::Busy;
 use super::wait::{Pending, block_on};
 use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::setting::{ADAPTER, BACKEND};
@@ -184,6 +185,7 @@ pub(crate) struct Open {
     unsent: usize,
     sent: Option<wgpu::SubmissionIndex>,
     pub(super) pending: Pending,
+    pub(super) busy: Busy,
 }
 
 /// The usual [`Open::part`].
@@ -191,7 +193,14 @@ const PART: usize = 64 << 20;
 
 impl Open {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
-        Self { device, queue, lost: Arc::default(), part: PART, unsent: 0, sent: None, pending: Pending::new() }
+        let (lost, busy) = (Arc::default(), Busy::default());
+        Self { device, queue, lost, part: PART, unsent: 0, sent: None, pending: Pending::new(), busy }
+    }
+
+    /// The same device for another renderer.
+    pub(super) fn another(&self) -> Self {
+        let (lost, busy) = (Arc::clone(&self.lost), self.busy.clone());
+        Self { lost, part: self.part, busy, ..Self::new(self.device.clone(), self.queue.clone()) }
     }
 
     /// Whether the output buffers can be read in place without a copy, and doing so is faster.

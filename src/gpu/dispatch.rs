@@ -5,7 +5,7 @@ use crate::gpu::compose::{Source, Step, compose, compose_step};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings, capabilities};
-use crate::gpu::resident::scene::{BLOCK, ResidentScene, Starts};
+use crate::gpu::resident::scene::{BLOCK, HeldSpheres, ResidentScene, Starts};
 #[cfg(test)]
 use crate::gpu::room::Fault;
 use crate::gpu::room::Room;
@@ -19,11 +19,14 @@ use crate::intersect::Method;
 use crate::kernel::{Kernel, KernelOutput};
 use crate::tile::TILE;
 use crate::view::ViewRecord;
+use halfline_ground::Shared;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::setting::{ADAPTER, BACKEND, SIZE};
 use naga::valid::Capabilities;
 use std::collections::HashMap;
 use std::num::NonZeroU64;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 use web_time::Instant;
 
 /// An open device with its pipelines and buffers, kept between frames.
@@ -32,6 +35,8 @@ pub(crate) struct Gpu {
     pub(crate) open: device::Open,
     pub(crate) limits: wgpu::Limits,
     pub(super) programs: HashMap<Program, Pipeline>,
+    /// The programs of all renderers of the device.
+    compiled: Arc<Mutex<HashMap<Program, Pipeline>>>,
     pub(super) buffers: HashMap<&'static str, wgpu::Buffer>,
     /// Copies of buffers for the host to read, by the same names.
     pub(super) staging: HashMap<&'static str, wgpu::Buffer>,
@@ -40,12 +45,16 @@ pub(crate) struct Gpu {
     pub(super) textures: HashMap<&'static str, (wgpu::Texture, wgpu::TextureView)>,
     pub(super) clock: Option<Clock>,
     pub(super) traffic: Traffic,
+    /// The time in which the device had work until the times were last taken.
+    busy_before: Duration,
     /// Output buffers are read in place.
     pub(super) direct: bool,
     /// The budget for kernels that have not run yet.
     pub(super) budget: SubmissionBudget,
     pub(super) verdict: Option<Verdict>,
     pub(super) resident: Option<ResidentScene>,
+    /// The spheres that any renderer of the device sent.
+    pub(super) held: Shared<HeldSpheres>,
     /// The scene with which the resident one takes turns.
     pub(super) other: Option<ResidentScene>,
     /// The frame whose hits the device keeps, as starts of rays, or the reason why it keeps none; `None` where the last
@@ -74,6 +83,7 @@ pub(super) enum Program {
 }
 
 /// A compiled shader, its bindings and its budget.
+#[derive(Clone)]
 pub(super) struct Pipeline {
     compute: wgpu::ComputePipeline,
     bindings: Vec<Binding>,
@@ -89,10 +99,12 @@ impl Gpu {
         Self {
             clock,
             traffic: Traffic::default(),
+            busy_before: Duration::ZERO,
             summary,
             open,
             limits,
             programs: HashMap::new(),
+            compiled: Arc::default(),
             buffers: HashMap::new(),
             staging: HashMap::new(),
             filled: HashMap::new(),
@@ -101,6 +113,7 @@ impl Gpu {
             budget: SubmissionBudget::default(),
             verdict: None,
             resident: None,
+            held: Shared::default(),
             other: None,
             starts: None,
             block: BLOCK,
@@ -112,6 +125,14 @@ impl Gpu {
             draws,
             trees_uploaded: 0,
         }
+    }
+
+    /// The same device for another renderer, with the programs and the spheres that it holds.
+    pub(crate) fn another(&self) -> Self {
+        let mut own = Self::new(self.open.another(), self.summary.clone());
+        (own.compiled, own.held) = (Arc::clone(&self.compiled), self.held.clone());
+        (own.verdict, own.draws, own.block) = (self.verdict.clone(), self.draws, self.block);
+        own
     }
 
     /// Fills `output` by `kernel`. `go_on` is called before every band with the number of completed pixels; `false`
@@ -165,7 +186,9 @@ impl Gpu {
 
     /// Takes the device's times and bytes since the last call.
     pub(crate) fn traffic(&mut self) -> Traffic {
-        Traffic { kernel_ms: self.clock.as_mut().map(Clock::take), ..std::mem::take(&mut self.traffic) }
+        let total = self.open.busy.total();
+        let busy = total - std::mem::replace(&mut self.busy_before, total);
+        Traffic { kernel_ms: self.clock.as_mut().map(Clock::take), busy, ..std::mem::take(&mut self.traffic) }
     }
 
     /// Runs `work` and converts errors that the device reports meanwhile. Where it is out of memory, it keeps nothing.
@@ -266,16 +289,26 @@ impl Gpu {
 
     /// Makes the pipeline of a program, unless it is known.
     pub(super) fn compile(&mut self, program: Program) -> Result<()> {
-        if !self.programs.contains_key(&program) {
-            let pipeline = match &program {
-                Program::Kernel(kernel) => {
-                    let label = kernel.method().map_or("certified", Method::name);
-                    self.built(&compose(kernel), capabilities(kernel), label)
-                }
-                Program::Step(step) => self.built(&compose_step(*step), Capabilities::empty(), "resident"),
-            };
-            self.programs.insert(program, pipeline?);
+        if self.programs.contains_key(&program) {
+            return Ok(());
         }
+        let compiled = Arc::clone(&self.compiled);
+        // Another renderer waits for a program that this one makes. A thread that panicked left whole ones.
+        let mut compiled = compiled.lock().unwrap_or_else(PoisonError::into_inner);
+        let pipeline = match compiled.get(&program) {
+            Some(known) => known.clone(),
+            None => {
+                let made = match &program {
+                    Program::Kernel(kernel) => {
+                        let label = kernel.method().map_or("certified", Method::name);
+                        self.built(&compose(kernel), capabilities(kernel), label)
+                    }
+                    Program::Step(step) => self.built(&compose_step(*step), Capabilities::empty(), "resident"),
+                }?;
+                compiled.entry(program).or_insert(made).clone()
+            }
+        };
+        self.programs.insert(program, pipeline);
         Ok(())
     }
 

@@ -26,7 +26,7 @@ use crate::tile::TILE;
 use crate::view::{View, ViewRecord};
 use halfline_ground::error::{Error, Result};
 use halfline_ground::memory::Pool;
-use scene::{PlacedFor, Reach, ResidentScene, Starts};
+use scene::{HeldSpheres, PlacedFor, Reach, ResidentScene, Starts};
 
 /// The scene and the view of a frame.
 #[derive(Clone, Copy)]
@@ -98,17 +98,26 @@ impl Gpu {
         }
         if self.resident.is_none() {
             // All buffers come first: where there is no memory for one of them, nothing is written.
-            let resident = self.guarded(|gpu| {
+            let mut resident = self.guarded(|gpu| {
                 gpu.check_size("spheres", ResidentScene::largest(spheres.len().min(gpu.block)))?;
                 Ok(ResidentScene::new(&gpu.open, spheres, frame, gpu.block))
             })?;
-            self.traffic.up += self.guarded(|gpu| resident.send(&mut gpu.open, spheres))?;
+            let (held, size) = (self.held.clone(), self.block);
+            let held = held.or_make(|held| held.serves(spheres, size), || self.send(spheres, frame))?;
+            self.traffic.up += self.guarded(|gpu| resident.take(held, &mut gpu.open))?;
             self.resident = Some(resident);
         }
         Ok(self.resident.as_mut().map(|resident| {
             resident.used = frame;
             resident.reach
         }))
+    }
+
+    /// Sends spheres to buffers of their own.
+    fn send(&mut self, spheres: &Spheres, frame: u64) -> Result<HeldSpheres> {
+        let held = self.guarded(|gpu| Ok(HeldSpheres::new(&gpu.open, spheres, frame, gpu.block)))?;
+        self.traffic.up += self.guarded(|gpu| held.send(&mut gpu.open, spheres))?;
+        Ok(held)
     }
 
     /// The reach that [`Gpu::hold`] would return, without sending a sphere.

@@ -46,14 +46,15 @@ impl Gpu {
             clock.resolve(&mut encoder);
         }
         let commands = encoder.finish();
-        let start = Instant::now();
-        self.open.queue.submit([commands]);
-        if let Some(clock) = clock {
-            clock.ask(&self.open);
-        }
-        ask(self);
-        self.open.wait(None)?;
-        self.traffic.busy += start.elapsed();
+        self.open.busy.during(|| {
+            let submitted = self.open.queue.submit([commands]);
+            if let Some(clock) = clock {
+                clock.ask(&self.open);
+            }
+            ask(self);
+            // Other renderers of the device have submissions of their own.
+            self.open.wait(Some(submitted))
+        })?;
         if let Some(clock) = self.clock.as_mut().filter(|_| timed) {
             clock.add();
         }
@@ -63,9 +64,7 @@ impl Gpu {
     /// Submits commands without a wait: what reads their results waits for both. Drivers of software run them before they return.
     pub(super) fn enqueue(&mut self, encoder: wgpu::CommandEncoder) {
         let commands = encoder.finish();
-        let start = Instant::now();
-        self.open.queue.submit([commands]);
-        self.traffic.busy += start.elapsed();
+        self.open.busy.during(|| self.open.queue.submit([commands]));
     }
 
     /// Submits commands and reads the first `size` bytes of a buffer after them, as numbers.

@@ -5,7 +5,7 @@ use std::time::Duration;
 /// Sums since they were last taken.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Traffic {
-    /// The time in which the device had work and the host waited for it.
+    /// The time in which the device had work of this renderer or of others on it.
     pub(crate) busy: Duration,
     /// Milliseconds of kernels by the device's clock, if it has one.
     pub(crate) kernel_ms: Option<f64>,

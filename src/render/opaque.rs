@@ -6,6 +6,7 @@ use crate::scene::same::SameSpheres;
 use crate::scene::{Cuts, Lighting, Scene, Spheres};
 use crate::search::tree::Tree;
 use crate::view::ray::NONE;
+use halfline_ground::Shared;
 use halfline_ground::error::Result;
 use halfline_ground::memory::check;
 use halfline_ground::parallel;
@@ -63,7 +64,8 @@ impl Opaque {
 /// The opaque spheres of the scene that a renderer saw last, and their order.
 #[derive(Default)]
 pub(super) struct LastOpaque {
-    known: Option<Known>,
+    known: Option<Arc<Known>>,
+    shared: Shared<Known>,
     pub(super) order: LastOrder,
 }
 
@@ -115,11 +117,18 @@ impl LastOpaque {
         let known = match self.known.take().filter(|known| known.is_of(spheres, frame)) {
             Some(known) => known,
             None => {
-                self.order = LastOrder::default();
-                Known::of(spheres, frame)?
+                self.order.forget();
+                // No frame has the number 0: lists that can be changed are not shared.
+                let serves = |known: &Known| known.same.is_kept() && known.is_of(spheres, 0);
+                self.shared.or_make(serves, || Known::of(spheres, frame))?
             }
         };
         Ok(Arc::clone(&self.known.insert(known).opaque))
+    }
+
+    /// The same for another renderer.
+    pub(super) fn another(&self) -> Self {
+        Self { known: None, shared: self.shared.clone(), order: self.order.another() }
     }
 
     /// Whether a scene is one of [`Opaque::scene`].

@@ -6,6 +6,7 @@ use crate::scene::Spheres;
 use crate::scene::list::List;
 use crate::scene::same::SameSpheres;
 use crate::search::tree::Tree;
+use halfline_ground::Shared;
 use halfline_ground::memory::check;
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, OnceLock};
@@ -20,29 +21,41 @@ const GROUPING_MIN_SPHERES_PER_PIXEL: u64 = 8;
 /// Frames of the same spheres after which a tree is built for groups alone: it takes as long as it saves in about so many.
 const GROUPING_MIN_FRAMES: u64 = 8;
 
-/// The order of the spheres that a renderer saw last.
+/// The order of the spheres that a renderer saw last, and those of other renderers on its device.
 #[derive(Default)]
-pub(super) struct LastOrder(Option<Known>);
+pub(super) struct LastOrder {
+    known: Option<Known>,
+    shared: Shared<Ordered>,
+}
 
 struct Known {
     same: SameSpheres,
     /// The frame in which they were seen first.
     since: u64,
     /// The receiver of the order while another thread builds it.
-    built: Option<Receiver<Ordered>>,
-    order: Option<Ordered>,
+    built: Option<Receiver<Arc<Ordered>>>,
+    order: Option<Arc<Ordered>>,
 }
 
 /// Spheres in the order of a tree.
-#[derive(Clone)]
 pub(super) struct Ordered {
+    same: SameSpheres,
     tree: Arc<Tree>,
-    boxes: Arc<OnceLock<Boxes>>,
+    boxes: OnceLock<Boxes>,
 }
 
 impl Ordered {
-    fn new(centers: &[[f64; 3]], radii: &[f64]) -> Option<Self> {
-        Tree::new(centers, radii).map(|tree| Self { tree: Arc::new(tree), boxes: Arc::default() })
+    fn new(spheres: &Spheres) -> Option<Self> {
+        // The frame is that of lists that can be changed, and the order of these is not shared.
+        let same = SameSpheres::of(spheres, 0);
+        let tree = Arc::new(Tree::new(&spheres.centers, &spheres.radii)?);
+        Some(Self { same, tree, boxes: OnceLock::new() })
+    }
+
+    /// The order of these spheres, which is that of another renderer if it has one. `None` without spheres.
+    fn shared(shared: &Shared<Self>, spheres: &Spheres) -> Option<Arc<Self>> {
+        let serves = |order: &Self| order.same.is_kept() && order.same.is_of(spheres, 0);
+        shared.or_make(serves, || Self::new(spheres).ok_or(())).ok()
     }
 
     pub(super) fn groups(&self) -> Grouped<'_> {
@@ -54,22 +67,24 @@ impl Ordered {
 impl LastOrder {
     /// The tree of these spheres, which is built unless it is known.
     pub(super) fn tree(&mut self, spheres: &Spheres, frame: u64) -> Option<Arc<Tree>> {
+        let shared = self.shared.clone();
         let known = self.known(spheres, frame);
         if let Some(built) = known.built.take() {
             known.order = built.recv().ok();
         }
         if known.order.is_none() {
-            known.order = Ordered::new(&spheres.centers, &spheres.radii);
+            known.order = Ordered::shared(&shared, spheres);
         }
         known.order.as_ref().map(|order| Arc::clone(&order.tree))
     }
 
     /// The spheres in groups for a frame of `pixels` pixels; `None` for few spheres for each pixel, and until the tree
     /// is built, which another thread does.
-    pub(super) fn groups(&mut self, spheres: &Spheres, frame: u64, pixels: u64) -> Option<Ordered> {
+    pub(super) fn groups(&mut self, spheres: &Spheres, frame: u64, pixels: u64) -> Option<Arc<Ordered>> {
         if spheres.len() < GROUPING_MIN_SPHERES || (spheres.len() as u64) < GROUPING_MIN_SPHERES_PER_PIXEL * pixels {
             return None;
         }
+        let shared = self.shared.clone();
         let known = self.known(spheres, frame);
         if let Some(order) = known.built.as_ref().and_then(|built| built.try_recv().ok()) {
             (known.order, known.built) = (Some(order), None);
@@ -78,23 +93,33 @@ impl LastOrder {
             let what = || format!("the order of {} spheres", spheres.len());
             let lists = spheres.centers.kept().zip(spheres.radii.kept());
             let room = check(Tree::bytes(spheres.len()), what).is_ok();
-            known.built = lists.filter(|_| room).and_then(|(centers, radii)| build(centers, radii));
+            known.built = lists.filter(|_| room).and_then(|(centers, radii)| build(shared, centers, radii));
         }
         known.order.clone()
     }
 
     fn known(&mut self, spheres: &Spheres, frame: u64) -> &mut Known {
-        let last = self.0.take().filter(|known| known.same.is_of(spheres, frame));
+        let last = self.known.take().filter(|known| known.same.is_of(spheres, frame));
         let new = || Known { same: SameSpheres::of(spheres, frame), since: frame, built: None, order: None };
-        self.0.insert(last.unwrap_or_else(new))
+        self.known.insert(last.unwrap_or_else(new))
+    }
+
+    /// Forgets the spheres that were seen last.
+    pub(super) fn forget(&mut self) {
+        self.known = None;
+    }
+
+    /// The same for another renderer.
+    pub(super) fn another(&self) -> Self {
+        Self { known: None, shared: self.shared.clone() }
     }
 }
 
 /// Builds an order in a thread of its own; `None` where the system allows none.
-fn build(centers: List<[f64; 3]>, radii: List<f64>) -> Option<Receiver<Ordered>> {
+fn build(shared: Shared<Ordered>, centers: List<[f64; 3]>, radii: List<f64>) -> Option<Receiver<Arc<Ordered>>> {
     let (done, built) = channel();
     let work = move || {
-        if let Some(order) = Ordered::new(&centers, &radii) {
+        if let Some(order) = Ordered::shared(&shared, &Spheres { centers, radii, ..Spheres::default() }) {
             order.groups();
             // The receiver is gone where the renderer has other spheres by now.
             let _ = done.send(order);
@@ -194,7 +219,7 @@ mod tests {
     fn hidden_groups_are_left_out() {
         let pool = Pool::default();
         for (n, scene) in scenes().iter().enumerate() {
-            let order = Ordered::new(&scene.spheres.centers, &scene.spheres.radii).expect("a tree");
+            let order = Ordered::new(&scene.spheres).expect("a tree");
             let view =
                 View::for_rays(scene, Raster::centres(Window::full(SIZE[0], SIZE[1])), Records::None).expect("a view");
             let of = |groups| {

@@ -72,6 +72,15 @@ impl ChosenDevice {
         place
     }
 
+    /// The same device for another renderer.
+    pub(super) fn another(&self) -> Self {
+        let mut place = Self::cpu(&self.reason);
+        place.gpu = self.gpu.as_ref().map(|gpu| Box::new(gpu.another()));
+        place.passed_over.clone_from(&self.passed_over);
+        place.has_no_adapter = self.has_no_adapter;
+        place
+    }
+
     fn open(found: &FoundAdapter, reason: &str) -> Result<Self> {
         Ok(Self::adapter(Gpu::new(device::open(found)?, found.summary.clone()), reason))
     }

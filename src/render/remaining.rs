@@ -2,6 +2,7 @@
 
 use crate::frame::{Aov, Data, Frame};
 use crate::scene::{CUT, Cuts, Light, LightSource, Lighting, REMOVED, Scene, Spheres};
+use halfline_ground::Shared;
 use halfline_ground::error::Result;
 use halfline_ground::memory::check;
 use halfline_ground::parallel::{self, CHEAP};
@@ -66,7 +67,7 @@ impl Remaining {
 
 /// The spheres that the planes of the scene of the last frame left.
 #[derive(Default)]
-pub(super) struct LastRemaining(Option<Arc<Remaining>>);
+pub(super) struct LastRemaining(Option<Arc<Remaining>>, Shared<Remaining>);
 
 impl LastRemaining {
     /// The spheres that planes leave; `None` where they remove none.
@@ -75,8 +76,14 @@ impl LastRemaining {
     /// [`crate::Error::Limits`] where memory is short.
     pub(super) fn of(&mut self, spheres: &Spheres) -> Result<Option<Arc<Remaining>>> {
         let Some(cuts) = spheres.cuts.as_ref().filter(|cuts| cuts.count(REMOVED) > 0) else { return Ok(None) };
-        let known = self.0.take().filter(|known| known.all.is_same(spheres) && known.all.cuts == spheres.cuts);
-        let remaining = known.map_or_else(|| Remaining::of(spheres, cuts).map(Arc::new), Ok)?;
+        let serves = |known: &Remaining| known.all.is_same(spheres) && known.all.cuts == spheres.cuts;
+        let known = self.0.take().filter(|known| serves(known));
+        let remaining = known.map_or_else(|| self.1.or_make(serves, || Remaining::of(spheres, cuts)), Ok)?;
         Ok(Some(Arc::clone(self.0.insert(remaining))))
+    }
+
+    /// The same for another renderer.
+    pub(super) fn another(&self) -> Self {
+        Self(None, self.1.clone())
     }
 }

@@ -63,6 +63,16 @@ impl Renderer {
         Self::on(ChosenDevice::adapter(gpu, "the caller opened the device"), 0.0)
     }
 
+    /// Another renderer on the same device, or on the CPU path, for frames of another thread: while one thread waits for the device,
+    /// the other keeps it busy. Both have the device's copy of equal spheres, its programs, and the host's trees over equal
+    /// spheres together, where no one can change these ([`Spheres::share`]). It takes each other buffer once more. A lost device is
+    /// lost for both. Not watched.
+    #[must_use]
+    pub fn another(&self) -> Self {
+        let (order, opaque, remaining) = (self.order.another(), self.opaque.another(), self.remaining.another());
+        Self { order, opaque, remaining, ..Self::on(self.device.another(), self.setup_ms) }
+    }
+
     /// A renderer on this device, before its first frame.
     fn on(device: ChosenDevice, setup_ms: f64) -> Self {
         Self {

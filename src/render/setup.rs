@@ -56,7 +56,7 @@ pub(super) fn make(at: &mut Rendering<'_>, plan: Plan, scene: &Scene, raster: Ra
         plan.accuracy == Accuracy::Certified && plan.given.is_none() && !plan.is_deep && scene.spheres.cuts.is_none();
     let ordered = || at.renderer.order_of(&scene.spheres).groups(&scene.spheres, frame, pixels);
     let order = is_grouped.then(ordered).flatten();
-    FrameSetup::new(at, plan, (scene, order.as_ref().map(Ordered::groups)), raster)
+    FrameSetup::new(at, plan, (scene, order.as_deref().map(Ordered::groups)), raster)
 }
 
 /// The plan by which [`make`] sets a frame up, without holding the spheres.

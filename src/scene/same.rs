@@ -19,6 +19,11 @@ impl SameSpheres {
         Self { kept, read: (frame, addresses(spheres)), count: spheres.len() }
     }
 
+    /// Whether no one can change the spheres, so that any frame and any renderer may compare them.
+    pub(crate) fn is_kept(&self) -> bool {
+        self.kept.is_some()
+    }
+
     /// Whether these are the same spheres.
     pub(crate) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
         self.count == spheres.len()

@@ -21,6 +21,7 @@ use glam::DVec3;
 use halfline_ground::error::Result;
 use halfline_ground::parallel;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The hits that a frame leaves on the device, from which rays start.
 #[derive(Debug, Clone, Copy)]
@@ -99,9 +100,59 @@ pub(super) struct PlacedFor {
     pub(super) tiles: [[u32; 2]; 2],
 }
 
+/// The positions and radii of a scene's spheres, which all renderers of a device read.
+pub(crate) struct HeldSpheres {
+    of: SameSpheres,
+    /// Spheres of a block.
+    size: usize,
+    /// Centre and radius in f64, block by block.
+    blocks: Vec<wgpu::Buffer>,
+}
+
+impl HeldSpheres {
+    /// Room for the spheres in blocks of `size` spheres.
+    pub(super) fn new(open: &Open, spheres: &Spheres, frame: u64, size: usize) -> Self {
+        let starts = (0..spheres.len()).step_by(size);
+        let block = |first: usize| buffer(open, "resident", 32 * size.min(spheres.len() - first) as u64);
+        Self { of: SameSpheres::of(spheres, frame), size, blocks: starts.map(block).collect() }
+    }
+
+    /// Whether they are these in blocks of this size, and no one can change them.
+    pub(super) fn serves(&self, spheres: &Spheres, size: usize) -> bool {
+        // The frame is that of lists that can be changed.
+        self.size == size && self.of.is_kept() && self.of.is_of(spheres, 0)
+    }
+
+    /// Sends the spheres; returns the number of bytes.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`](crate::Error::DeviceLost).
+    pub(super) fn send(&self, open: &mut Open, spheres: &Spheres) -> Result<u64> {
+        let blocks = spheres.centers.chunks(self.size).zip(spheres.radii.chunks(self.size));
+        let mut sent = 0;
+        for (to, (centers, radii)) in self.blocks.iter().zip(blocks) {
+            let mut packed: Vec<[f64; 4]> = vec![[0.0; 4]; centers.len()];
+            parallel::each(&mut packed, |n, to| {
+                let [x, y, z] = centers[n];
+                *to = [x, y, z, radii[n]];
+            });
+            let bytes: &[u8] = bytemuck::cast_slice(&packed);
+            open.write(to, 0, bytes)?;
+            sent += bytes.len() as u64;
+        }
+        Ok(sent)
+    }
+}
+
+/// A buffer of spheres or of their records.
+fn buffer(open: &Open, label: &str, size: u64) -> wgpu::Buffer {
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+    open.device.create_buffer(&wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false })
+}
+
 /// The spheres of a scene on a device.
 pub(crate) struct ResidentScene {
-    of: SameSpheres,
+    held: Option<Arc<HeldSpheres>>,
     /// The last frame that used them.
     pub(super) used: u64,
     count: u32,
@@ -132,13 +183,13 @@ impl ResidentScene {
         Block::records(count as u32, true)
     }
 
-    /// Room for the spheres of a scene in blocks of `size` spheres.
+    /// Room for the records of a scene's spheres in blocks of `size` spheres.
     pub(super) fn new(open: &Open, spheres: &Spheres, frame: u64, size: usize) -> Self {
         let ranks = spheres.cuts.as_ref().map(|cuts| Ranks::new(spheres, cuts));
-        let (places, is_cut) = (true, ranks.is_some());
-        let block = |n: usize| Block::new(open, [n, size.min(spheres.len() - n)].map(|n| n as u32), places, is_cut);
+        let is_cut = ranks.is_some();
+        let block = |n: usize| Block::new(open, [n, size.min(spheres.len() - n)].map(|n| n as u32), is_cut);
         Self {
-            of: SameSpheres::of(spheres, frame),
+            held: None,
             used: frame,
             count: spheres.len() as u32,
             reach: Reach::of(spheres),
@@ -154,28 +205,14 @@ impl ResidentScene {
         }
     }
 
-    /// Sends the spheres; returns the number of bytes.
+    /// Takes its spheres, and sends their ranks; returns the number of bytes.
     ///
     /// # Errors
     /// [`Error::DeviceLost`](crate::Error::DeviceLost).
-    pub(super) fn send(&self, open: &mut Open, spheres: &Spheres) -> Result<u64> {
-        let mut sent = 0;
-        for Block { first, count, spheres: to, .. } in &self.blocks {
-            let range = *first as usize..(first + count) as usize;
-            let (centers, radii) = (&spheres.centers[range.clone()], &spheres.radii[range]);
-            let mut packed: Vec<[f64; 4]> = vec![[0.0; 4]; centers.len()];
-            parallel::each(&mut packed, |n, to| {
-                let [x, y, z] = centers[n];
-                *to = [x, y, z, radii[n]];
-            });
-            let bytes: &[u8] = bytemuck::cast_slice(&packed);
-            to.as_ref().map_or(Ok(()), |to| open.write(to, 0, bytes))?;
-            sent += bytes.len() as u64;
-        }
-        for block in &self.blocks {
-            sent += self.send_ranks(open, block, |n| block.first + n)?;
-        }
-        Ok(sent)
+    pub(super) fn take(&mut self, held: Arc<HeldSpheres>, open: &mut Open) -> Result<u64> {
+        self.blocks.iter_mut().zip(&held.blocks).for_each(|(block, spheres)| block.spheres = Some(spheres.clone()));
+        self.held = Some(held);
+        self.blocks.iter().map(|block| self.send_ranks(open, block, |n| block.first + n)).sum()
     }
 
     /// Sends the ranks of the spheres of a block, whose ids `id` returns, where planes cut spheres.
@@ -194,7 +231,8 @@ impl ResidentScene {
             ((None, None, _), None) => true,
             ((_, address, sent), _) => *address == address_of_colors(spheres) && *sent == frame,
         };
-        colors && self.cuts == spheres.cuts && self.of.is_of(spheres, frame)
+        let is_held = self.held.as_ref().is_some_and(|held| held.of.is_of(spheres, frame));
+        colors && self.cuts == spheres.cuts && is_held
     }
 
     /// The id of the sphere in a slot.
@@ -212,7 +250,7 @@ impl ResidentScene {
         if guests.is_empty() {
             return Ok(0);
         }
-        let block = Block::new(open, [self.count, guests.len() as u32], false, self.ranks.is_some());
+        let block = Block::new(open, [self.count, guests.len() as u32], self.ranks.is_some());
         let records: Vec<ProjectedRecord> = guests.iter().map(|placed| placed.record).collect();
         let details: Vec<ProjectedDetailRecord> = guests.iter().map(|placed| placed.detail).collect();
         let depths: Vec<f64> = guests.iter().map(|placed| placed.depth).collect();
@@ -248,15 +286,10 @@ impl Block {
         2 * in_vectors(1) + in_vectors(2) + if has_ranks { in_vectors(4) } else { 0 }
     }
 
-    /// A block with room for records, with ranks where planes cut spheres, and for spheres where the device places them.
-    fn new(open: &Open, [first, count]: [u32; 2], places: bool, has_ranks: bool) -> Self {
-        let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
-        let buffer = |label, size| {
-            let descriptor = wgpu::BufferDescriptor { label: Some(label), size, usage, mapped_at_creation: false };
-            open.device.create_buffer(&descriptor)
-        };
-        let spheres = places.then(|| buffer("resident", 32 * u64::from(count)));
-        Self { first, count, spheres, projected: buffer("projected", Self::records(count, has_ranks)) }
+    /// A block with room for records, with ranks where planes cut spheres.
+    fn new(open: &Open, [first, count]: [u32; 2], has_ranks: bool) -> Self {
+        let projected = buffer(open, "projected", Self::records(count, has_ranks));
+        Self { first, count, spheres: None, projected }
     }
 }
 

@@ -106,6 +106,43 @@ fn the_cpu_path_takes_over_from_an_adapter_that_fails() {
     }
 }
 
+/// Two renderers of a device in two threads: where it is lost, both go on with the CPU path; where it is out of memory for one, the
+/// other goes on.
+#[test]
+fn renderers_of_one_device_leave_it_each_for_itself() {
+    let Some(found) = adapter_or_skip() else { return };
+    let strict = keeps_bits(&found.summary.name);
+    for (mut scene, settings) in kinds() {
+        scene.spheres.share();
+        let host = Settings { backend: Backend::Cpu, ..settings.clone() };
+        let known = Renderer::new(&host).expect("the CPU path").render(&scene, &host).expect("a frame");
+        for (fault, word) in FAULTS {
+            let renderer = failing(2, fault);
+            let mut pair = [renderer.another(), renderer];
+            let film =
+                |renderer: &mut Renderer| [0; 4].map(|_| renderer.render(&scene, &auto(&settings)).expect("a frame"));
+            let films = std::thread::scope(|scope| {
+                let threads = pair.each_mut().map(|renderer| scope.spawn(|| film(renderer)));
+                threads.map(|thread| thread.join().expect("a thread"))
+            });
+            for frame in films.iter().flatten() {
+                assert!(!strict && frame.report.backend == "gpu" || frame.buffers == known.buffers, "{fault:?}");
+            }
+            let [other, failed] =
+                films.each_ref().map(|film| film.iter().filter(|frame| count(frame, word) > 0).count());
+            assert!(failed > 0, "{fault:?}: the one that failed says so");
+            assert!(fault == Fault::Lost || other == 0, "{fault:?}: the other has memory");
+            let is_left = fault == Fault::Lost;
+            let again = pair.each_mut().map(|renderer| {
+                let frame = renderer.render(&scene, &auto(&settings)).expect("a frame");
+                assert!(!strict || frame.buffers == known.buffers, "{fault:?}");
+                renderer.is_gpu()
+            });
+            assert_eq!(again, [!is_left; 2], "{fault:?}");
+        }
+    }
+}
+
 /// Work that an adapter refuses, such as a shader that its compiler does not take, is done on the CPU path, and so is all later work.
 #[test]
 fn the_cpu_path_takes_over_from_an_adapter_that_refuses() {
