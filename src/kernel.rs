@@ -56,13 +56,8 @@ pub(crate) enum Task {
     Method { method: Method, rays: RaySource },
     /// Viewing rays with a certificate, from the spheres that a device holds; on the CPU path in strips.
     Certified(Certificate),
-    /// Given rays with a certificate. Only ids are written: places in the order of the tree.
-    Given {
-        /// Whether anything is hit, instead of what is hit first.
-        any: bool,
-        /// Traverses a tree instead of testing every sphere.
-        tree: bool,
-    },
+    /// Given rays with a certificate, which the host traces.
+    Given,
 }
 
 /// The parameters of a certified kernel of viewing rays.
@@ -173,7 +168,7 @@ impl Kernel {
 
     /// Whether its rays are given.
     pub(crate) fn is_given(&self) -> bool {
-        matches!(self.task, Task::Given { .. })
+        self.task == Task::Given
     }
 
     /// Whether its rays are those of pixels.

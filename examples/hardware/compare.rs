@@ -1,12 +1,11 @@
 //! Answers of the device beside those of the CPU path.
 
 use super::Result;
-use super::cloud::{Random, cloud};
-use super::scenes::{Times, certified, looked, median, report_json};
+use super::cloud::cloud;
+use super::scenes::{Times, looked, report_json};
 use halfline::frame::{Data, Frame};
-use halfline::{Aov, Backend, Method, Rays, Renderer, Settings};
+use halfline::{Aov, Backend, Method, Renderer, Settings};
 use serde_json::{Map, Value, json};
-use std::time::Instant;
 
 /// The largest differences of two certified frames: each is within 1e-5 of the true distance and within 1e-3 of the true normal, of
 /// which colours are made. Ids, masks and shares of the sky have no tolerance.
@@ -83,39 +82,6 @@ pub(crate) fn frames(count: usize, look: &str, side: u32) -> Result {
     Ok(json!({
         "spheres": count, "look": look, "side": side, "buffers": buffers, "device": report_json(&device), "host": report_json(&host), "good": good,
     }))
-}
-
-/// Random rays in a cloud: the nearest hits, and whether anything is hit.
-pub(crate) fn rays(count: usize, many: usize) -> Result {
-    let mut scene = cloud(count);
-    scene.spheres.share();
-    let mut random = Random(11);
-    let mut three = |low: f64, size: f64| [0; 3].map(|_| low + size * random.unit());
-    let origins: Vec<_> = (0..many).map(|_| three(0.0, 1.0)).collect();
-    let directions: Vec<_> = (0..many).map(|_| three(-1.0, 2.0)).collect();
-    let given = Rays { origins: &origins, directions: &directions, limits: &[] };
-    let (mut backends, mut found) = (Map::new(), Vec::new());
-    for backend in [Backend::Gpu, Backend::Cpu] {
-        let settings = certified(backend, &[]);
-        let mut renderer = Renderer::new(&settings)?;
-        let mut tracer = renderer.tracer(&scene.spheres, &settings)?;
-        let (mut times, mut ids) = (Vec::new(), Vec::new());
-        for _ in 0..3 {
-            let started = Instant::now();
-            ids = tracer.hits(&given)?.id;
-            times.push(started.elapsed().as_secs_f64() * 1e3);
-        }
-        let started = Instant::now();
-        let blocked = tracer.occluded(&given)?.hit;
-        let any_ms = started.elapsed().as_secs_f64() * 1e3;
-        let shown = json!({
-            "on_device": tracer.is_gpu(), "build_ms": tracer.build_ms(), "first_ms": times[0], "hits_ms": median(&times[1..]),
-            "any_ms": any_ms, "refined": tracer.refined(),
-        });
-        backends.insert(backend.name().to_owned(), shown);
-        found.push((ids, blocked));
-    }
-    Ok(json!({ "spheres": count, "rays": many, "backends": backends, "good": found[0] == found[1] }))
 }
 
 /// Frames by every method that the adapter runs. Uncertified ids may differ.

@@ -9,7 +9,6 @@
 //! hardware inside SPHERES                 # the eye in the middle of a cloud
 //! hardware film SPHERES FRAMES            # spheres that move
 //! hardware films SPHERES LOOK SIDE FRAMES # a moving camera, one frame after the other and two in flight
-//! hardware rays SPHERES RAYS              # given rays, device and CPU path
 //! hardware methods SPHERES SIDE           # every method, device and CPU path
 //! ```
 //! A step prints one line of JSON. `note TEXT` and `line STEP WORDS CODE SECONDS STDOUT STDERR` print lines of a report, and
@@ -57,7 +56,6 @@ fn step(words: &[&str]) -> Result<Option<Value>> {
         ["inside", count] => times::inside(value(count)?)?,
         ["film", count, many] => times::film(value(count)?, value(many)?)?,
         ["films", count, look, side, many] => times::films(value(count)?, look, value(side)?, value(many)?)?,
-        ["rays", count, many] => compare::rays(value(count)?, value(many)?)?,
         ["methods", count, side] => compare::methods(value(count)?, value(side)?)?,
         ["note", text] => json!({ "step": "machine", "what": text }),
         ["line", step, words, code, seconds, out, err] => {

@@ -217,8 +217,9 @@ class Renderer:
     ) -> Iterator[Frame]:
         """Renders a frame for each camera.
 
-        Another thread renders the next frame while Python handles the current one, so at most two
-        are in memory. What the cameras share is kept between frames. The work ends when the
+        Other threads render the next frames while Python handles the current one: two on a device,
+        and as many as there are threads on the CPU path, if all of them have at most four million
+        pixels and spheres. What the cameras share is kept between frames. The work ends when the
         iterator is closed or forgotten.
 
         Args:

@@ -40,7 +40,7 @@ const TILT: f64 = 0.97e-3;
 impl Given<'_> {
     /// The answers to the rays with these numbers.
     pub(crate) fn each<Q: Query>(&self, numbers: &[u32]) -> Vec<Q> {
-        let mut answers = vec![Q::NONE; numbers.len()];
+        let mut answers = vec![Q::UNSURE; numbers.len()];
         parallel::fill(&mut answers[..], RAYS_PER_TASK, &|range, answers| {
             dispatch(Task { given: self, numbers: &numbers[range], answers });
         });
@@ -254,41 +254,24 @@ impl Test for NearestCandidates<'_, '_> {
 
 /// The answer to a ray; its type tells the question: the nearest hit, or any hit.
 pub(crate) trait Query: Copy + PartialEq + Send + Sync {
-    /// Whether any hit is an answer, not only the nearest.
-    const ANY: bool;
-    /// The answer of a ray that hits nothing.
-    const NONE: Self;
     /// The answer of a ray that is not decided.
     const UNSURE: Self;
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self;
-    /// The answer of a ray that certainly hits the sphere at `place` in the order of the tree, as a device has proved.
-    fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self;
 }
 
 impl Query for NearestHit {
-    const ANY: bool = false;
-    const NONE: Self = Self::Miss;
     const UNSURE: Self = Self::Unsure;
     #[inline(always)]
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self {
         given.nearest_of(lanes, ray, |_| true)
     }
-    fn hit(given: &Given<'_>, ray: &GivenRay, place: usize) -> Self {
-        let known = given.ray(ray).and_then(|(ray, _)| Some((ray.intersect(given.tree.ball(place))?, ray)));
-        known.map_or(Self::Unsure, |(bounds, ray)| given.hit(&ray, place, &bounds))
-    }
 }
 
 impl Query for AnyHit {
-    const ANY: bool = true;
-    const NONE: Self = Self::Free;
     const UNSURE: Self = Self::Unsure;
     #[inline(always)]
     fn of<L: Lanes>(given: &Given<'_>, lanes: L, ray: &GivenRay) -> Self {
         given.any_of(lanes, ray)
-    }
-    fn hit(_: &Given<'_>, _: &GivenRay, _: usize) -> Self {
-        Self::Blocked
     }
 }
 

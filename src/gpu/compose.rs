@@ -27,7 +27,7 @@ macro_rules! files {
 }
 
 /// Every file of shaders/, embedded in the program.
-const FILES: [(&str, &str); 94] = files![
+const FILES: [(&str, &str); 90] = files![
     "view.wgsl" "math.wgsl" "hash.wgsl" "ray.wgsl"
     "number/f32.wgsl" "number/f64.wgsl" "number/double_float.wgsl"
     "form/textbook.wgsl" "form/unit.wgsl" "form/geometric.wgsl" "form/roots.wgsl" "form/stable.wgsl" "form/perpendicular.wgsl"
@@ -40,9 +40,8 @@ const FILES: [(&str, &str); 94] = files![
     "certify/roots.wgsl" "certify/planes.wgsl" "certify/detail.wgsl" "certify/whole.wgsl" "certify/cut.wgsl"
     "certify/whole_general.wgsl" "certify/cut_general.wgsl" "splat/whole.wgsl" "splat/cut.wgsl" "shade/face_color.wgsl"
     "certify/nearest_two.wgsl" "certify/certify_winner.wgsl" "certify/take_proved.wgsl" "certify/take_nearest.wgsl"
-    "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_nearest.wgsl"
-    "certify/given_any.wgsl" "certify/given_tree.wgsl" "certify/given_all.wgsl"
-    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/given_certified.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
+    "certify/given_constants.wgsl" "certify/given.wgsl" "certify/given_any.wgsl"
+    "main/viewing_rays.wgsl" "main/given_rays.wgsl" "main/certified.wgsl" "main/window.wgsl" "main/pixel_center.wgsl"
     "main/sample.wgsl" "main/start.wgsl" "main/no_start.wgsl" "main/sky_rays.wgsl" "main/sky.wgsl"
     "picture/record.wgsl" "picture/means.wgsl" "picture/sky_sums.wgsl" "picture/smooth.wgsl" "picture/unsure.wgsl"
     "picture/scatter.wgsl" "picture/line.wgsl" "picture/picture.wgsl"
@@ -63,7 +62,7 @@ pub(crate) fn files<const N: usize>(names: [&'static str; N]) -> impl Iterator<I
 pub(crate) struct Source {
     /// All parts, concatenated.
     pub(crate) text: String,
-    parts: Vec<Part>,
+    pub(super) parts: Vec<Part>,
 }
 
 impl Source {
@@ -148,11 +147,10 @@ pub(crate) fn parts(kernel: &Kernel) -> Vec<Part> {
     match kernel.task {
         Task::Method { method, rays } => search(method, rays, &mut parts),
         Task::Certified(certificate) => certify(certificate, &mut parts),
-        Task::Given { any, tree } => certify_given(any, tree, &mut parts),
+        // The host traces them.
+        Task::Given => {}
     }
-    if !matches!(kernel.task, Task::Given { .. }) {
-        shade(kernel, &mut parts);
-    }
+    shade(kernel, &mut parts);
     parts.push(outputs(kernel));
     parts
 }
@@ -197,20 +195,6 @@ fn certify(Certificate { generals, unproved, starts, planes, .. }: Certificate, 
     match planes {
         true => parts.extend(files(["certify/roots.wgsl", "certify/planes.wgsl", "certify/cut.wgsl"])),
         false => parts.extend(files(["certify/whole.wgsl"])),
-    }
-}
-
-/// The parts that search for a given ray's hit and certify it.
-fn certify_given(any: bool, tree: bool, parts: &mut Vec<Part>) {
-    let query = if any { "certify/given_any.wgsl" } else { "certify/given_nearest.wgsl" };
-    parts.extend(files(["main/given_certified.wgsl", "certify/constants.wgsl", "certify/given_constants.wgsl"]));
-    parts.extend(files(["search/placed.wgsl", "certify/given.wgsl", query]));
-    match tree {
-        true => {
-            parts.push(sizes());
-            parts.extend(files(["search/tree.wgsl", "certify/given_tree.wgsl"]));
-        }
-        false => parts.extend(files(["certify/given_all.wgsl"])),
     }
 }
 

@@ -5,7 +5,7 @@ use crate::gpu::compose::{Source, Step, compose, compose_step};
 use crate::gpu::device::{self, AdapterSummary};
 use crate::gpu::input::{GROUP, Input, Output};
 use crate::gpu::layout::{Binding, bindings, capabilities};
-use crate::gpu::resident::scene::{BLOCK, HeldSpheres, ResidentScene, Starts};
+use crate::gpu::resident::scene::{BLOCK, ResidentScene, SpheresOnDevice, Starts};
 #[cfg(test)]
 use crate::gpu::room::Fault;
 use crate::gpu::room::Room;
@@ -54,7 +54,7 @@ pub(crate) struct Gpu {
     pub(super) verdict: Option<Verdict>,
     pub(super) resident: Option<ResidentScene>,
     /// The spheres that any renderer of the device sent.
-    pub(super) held: Shared<HeldSpheres>,
+    pub(super) shared: Shared<SpheresOnDevice>,
     /// The scene with which the resident one takes turns.
     pub(super) other: Option<ResidentScene>,
     /// The frame whose hits the device keeps, as starts of rays, or the reason why it keeps none; `None` where the last
@@ -71,8 +71,6 @@ pub(crate) struct Gpu {
     pub(super) reversed: bool,
     /// Whether the device draws pictures as the host does; `None` before the trial. Software leaves them to the host, with its bits.
     pub(crate) draws: Option<bool>,
-    /// The number of trees of given rays that were uploaded: it holds the last.
-    pub(crate) trees_uploaded: u64,
 }
 
 /// A shader of frames.
@@ -113,7 +111,7 @@ impl Gpu {
             budget: SubmissionBudget::default(),
             verdict: None,
             resident: None,
-            held: Shared::default(),
+            shared: Shared::default(),
             other: None,
             starts: None,
             block: BLOCK,
@@ -123,14 +121,13 @@ impl Gpu {
             #[cfg(test)]
             reversed: false,
             draws,
-            trees_uploaded: 0,
         }
     }
 
     /// The same device for another renderer, with the programs and the spheres that it holds.
     pub(crate) fn another(&self) -> Self {
         let mut own = Self::new(self.open.another(), self.summary.clone());
-        (own.compiled, own.held) = (Arc::clone(&self.compiled), self.held.clone());
+        (own.compiled, own.shared) = (Arc::clone(&self.compiled), self.shared.clone());
         (own.verdict, own.draws, own.block) = (self.verdict.clone(), self.draws, self.block);
         own
     }
@@ -320,10 +317,7 @@ impl Gpu {
     }
 
     fn upload(&mut self, kernel: &Kernel, input: &Input<'_>) -> Result<()> {
-        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| match name {
-            "nodes" | "placed" => self.fill_texture(name, bytes),
-            _ => self.fill(name, bytes),
-        })
+        uploads(kernel, input).into_iter().try_for_each(|(name, bytes)| self.fill(name, bytes))
     }
 
     fn dispatch_band(&mut self, kernel: &Kernel, record: &ViewRecord, band: &Band) -> Result<()> {

@@ -2,8 +2,6 @@
 
 use crate::answers::raw::Raw;
 use crate::frame::report::Timings;
-use crate::search::tree::device::{NodeRecord, PlacedSphereRecord};
-use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
 use crate::view::View;
 use crate::view::ray::RayRecord;
 
@@ -25,15 +23,6 @@ pub(crate) enum KernelRays<'a> {
     Viewing,
     /// Given rays for a method.
     Given(&'a [RayRecord]),
-    /// Given rays to be certified, each also in the form that the tests of a tree's boxes read.
-    Certified {
-        rays: &'a [CertifiedRayRecord],
-        boxes: &'a [BoxRayRecord],
-        /// The tree; empty where the last call's is kept.
-        nodes: &'a [NodeRecord],
-        /// The spheres in its order; empty likewise.
-        spheres: &'a [PlacedSphereRecord],
-    },
 }
 
 impl KernelRays<'_> {
@@ -42,7 +31,6 @@ impl KernelRays<'_> {
         match self {
             Self::Viewing => 0,
             Self::Given(rays) => rays.len(),
-            Self::Certified { rays, .. } => rays.len(),
         }
     }
 }

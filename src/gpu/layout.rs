@@ -82,14 +82,13 @@ mod tests {
     use crate::certify::general::GeneralRecord;
     use crate::certify::placing::PlacingRecord;
     use crate::certify::projected::{ProjectedDetailRecord, ProjectedRecord};
-    use crate::gpu::compose::{Part, Step, compose, compose_step, files, parts};
+    use crate::gpu::compose::{Part, Source, Step, compose, compose_step, files};
     use crate::gpu::input::GROUP;
     use crate::gpu::resident::steps::BlockPass;
     use crate::gpu::validate::validate;
     use crate::intersect::Method;
     use crate::kernel::{Certificate, Generals, RaySource, Task, Unproved};
     use crate::search::tree::device::{DEVICE_LEVELS, NodeRecord, PlacedSphereRecord, first};
-    use crate::search::tree::device_rays::{BoxRayRecord, CertifiedRayRecord};
     use crate::search::tree::lanes::{LANE, NEVER};
     use crate::shade::Shade;
     use crate::tile::TILE;
@@ -134,7 +133,6 @@ mod tests {
         let samples = |k: &&Kernel| k.has_pixels() && !k.t && !k.normal && !k.has_depth_interval();
         let sampled: Vec<_> = kernels.iter().filter(samples).map(|k| Kernel { samples: true, ..*k }).collect();
         kernels.extend(sampled);
-        kernels.extend(both.into_iter().flat_map(|tree| both.map(|any| Kernel::bare(Task::Given { any, tree }))));
         kernels
     }
 
@@ -183,7 +181,7 @@ mod tests {
         // Of two looks the faces of cut spheres may have colours of their own.
         let centers = ((Method::ALL.len() * 3 + certified * 6) * looks + certified * 2 * 2) * 4;
         let sampled = (Method::ALL.len() + certified * 3) * looks + certified * 2;
-        assert_eq!(modules.len(), centers + sampled + 4, "the list is complete");
+        assert_eq!(modules.len(), centers + sampled, "the list is complete");
     }
 
     #[test]
@@ -192,10 +190,6 @@ mod tests {
             let bound: BTreeSet<_> = bindings(module, info).into_iter().map(|b| b.name).collect();
             let (method, certified) = (kernel.method().is_some(), kernel.is_certified());
             let generals = kernel.certificate().map_or(Generals::None, |certificate| certificate.generals);
-            let (given, tree) = match kernel.task {
-                Task::Given { tree, .. } => (true, tree),
-                _ => (false, false),
-            };
             let expected: BTreeSet<_> = [
                 (true, "view"),
                 (method, "spheres"),
@@ -211,10 +205,6 @@ mod tests {
                 (kernel.has_depths() || kernel.t || kernel.normal || kernel.shade.is_some(), "frame_values"),
                 (kernel.colors, "colors"),
                 (method && !kernel.has_pixels(), "rays"),
-                (given, "certified_rays"),
-                (given, "placed"),
-                (tree, "nodes"),
-                (tree, "boxes"),
                 (kernel.reads_residuals(), "residuals"),
             ]
             .into_iter()
@@ -240,7 +230,7 @@ mod tests {
     fn structs_have_one_layout_on_both_sides() {
         let spread = Task::Method { method: Method::Stable, rays: RaySource::Spread };
         let (certified, _) = module(&Kernel { t: true, normal: true, ..Kernel::certified().with_generals(5) });
-        let (given, _) = module(&Kernel::bare(Task::Given { any: false, tree: true }));
+        let (given, _) = validate(&compose_step(Step::Sky), Capabilities::empty()).expect("a step");
         let (module, _) = module(&Kernel { t: true, normal: true, ..Kernel::bare(spread) });
         macro_rules! same {
             ($module:ident $wgsl:literal, $host:ty, $($field:ident)*) => {
@@ -267,8 +257,6 @@ mod tests {
         same!(module "SphereResiduals", SphereResiduals, center_radius power);
         same!(module "GivenRay", RayRecord, direction origin origin_low);
         same!(given "Node", NodeRecord, origin grid planes);
-        same!(given "BoxRay", BoxRayRecord, enter leave inverse);
-        same!(given "CertifiedRay", CertifiedRayRecord, steps sure_limit rest limit direction blur);
         assert_eq!(
             members(&given, "PlacedSphere"),
             (vec![("steps", 0), ("radius", 12), ("rest", 16)], 32),
@@ -294,12 +282,11 @@ mod tests {
     #[test]
     fn the_constants_of_the_proof_are_those_of_the_twin() {
         use crate::certify::constants::{ALL, given};
-        let kernel = Kernel::certified().with_generals(5);
-        let of_given = Kernel::bare(Task::Given { any: false, tree: true });
-        for (file, kernel, all) in
-            [("certify/constants.wgsl", kernel, ALL), ("certify/given_constants.wgsl", of_given, given::ALL)]
+        let (certified, _) = module(&Kernel::certified().with_generals(5));
+        let (of_rays, _) = validate(&compose_step(Step::Sky), Capabilities::empty()).expect("a step");
+        for (file, module, all) in
+            [("certify/constants.wgsl", certified, ALL), ("certify/given_constants.wgsl", of_rays, given::ALL)]
         {
-            let (module, _) = module(&kernel);
             for (name, value) in all {
                 assert_eq!(constant(&module, name), f64::from(*value), "{name}");
             }
@@ -311,10 +298,12 @@ mod tests {
     /// Every number in the proof is a named constant, except 0, 1, the 2 of a squared sum and the half of a middle.
     #[test]
     fn no_number_of_the_proof_is_without_a_name() {
-        let all = kernels();
-        let of_proof = |part: &Part| part.name.starts_with("certify/") && !part.name.ends_with("constants.wgsl");
+        let sources: Vec<Source> = kernels().iter().map(compose).chain(steps().map(compose_step)).collect();
+        let of_proof = |part: &&Part| part.name.starts_with("certify/") && !part.name.ends_with("constants.wgsl");
         let mut names = BTreeSet::new();
-        for part in all.iter().flat_map(parts).filter(of_proof).filter(|part| names.insert(part.name)) {
+        for part in
+            sources.iter().flat_map(|source| &source.parts).filter(of_proof).filter(|part| names.insert(part.name))
+        {
             let code = part.text.lines().map(|line| line.split("//").next().unwrap_or_default());
             let words = code.flat_map(|line| line.split(|c: char| !c.is_ascii_alphanumeric() && c != '.'));
             for word in words.filter(|word| word.contains('.') && word.starts_with(|c: char| c.is_ascii_digit())) {

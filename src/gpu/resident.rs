@@ -26,7 +26,7 @@ use crate::tile::TILE;
 use crate::view::{View, ViewRecord};
 use halfline_ground::error::{Error, Result};
 use halfline_ground::memory::Pool;
-use scene::{HeldSpheres, PlacedFor, Reach, ResidentScene, Starts};
+use scene::{PlacedFor, Reach, ResidentScene, SpheresOnDevice, Starts};
 
 /// The scene and the view of a frame.
 #[derive(Clone, Copy)]
@@ -102,9 +102,9 @@ impl Gpu {
                 gpu.check_size("spheres", ResidentScene::largest(spheres.len().min(gpu.block)))?;
                 Ok(ResidentScene::new(&gpu.open, spheres, frame, gpu.block))
             })?;
-            let (held, size) = (self.held.clone(), self.block);
-            let held = held.or_make(|held| held.serves(spheres, size), || self.send(spheres, frame))?;
-            self.traffic.up += self.guarded(|gpu| resident.take(held, &mut gpu.open))?;
+            let (shared, size) = (self.shared.clone(), self.block);
+            let shared = shared.or_make(|shared| shared.serves(spheres, size), || self.send(spheres, frame))?;
+            self.traffic.up += self.guarded(|gpu| resident.take(shared, &mut gpu.open))?;
             self.resident = Some(resident);
         }
         Ok(self.resident.as_mut().map(|resident| {
@@ -114,10 +114,10 @@ impl Gpu {
     }
 
     /// Sends spheres to buffers of their own.
-    fn send(&mut self, spheres: &Spheres, frame: u64) -> Result<HeldSpheres> {
-        let held = self.guarded(|gpu| Ok(HeldSpheres::new(&gpu.open, spheres, frame, gpu.block)))?;
-        self.traffic.up += self.guarded(|gpu| held.send(&mut gpu.open, spheres))?;
-        Ok(held)
+    fn send(&mut self, spheres: &Spheres, frame: u64) -> Result<SpheresOnDevice> {
+        let shared = self.guarded(|gpu| Ok(SpheresOnDevice::new(&gpu.open, spheres, frame, gpu.block)))?;
+        self.traffic.up += self.guarded(|gpu| shared.send(&mut gpu.open, spheres))?;
+        Ok(shared)
     }
 
     /// The reach that [`Gpu::hold`] would return, without sending a sphere.

@@ -4,12 +4,9 @@ use super::input::{GROUP, Input, KernelRays};
 use super::submission_budget::{PIXEL, SubmissionBudget};
 use crate::certify::binned::BinnedScene;
 use crate::certify::general::GeneralRecord;
-use crate::kernel::{Generals, Kernel, KernelOutput, Task};
+use crate::kernel::{Generals, Kernel, KernelOutput};
 use crate::tile::TILE;
 use crate::view::{SphereRecord, ViewRecord};
-
-/// Assumed tests per ray that traverses a tree: far more than for disjoint spheres, far fewer than if all overlap.
-const TREE_TESTS: f64 = (1 << 12) as f64;
 
 /// The largest binding of an adapter in bytes.
 pub(crate) fn largest_binding(limits: &wgpu::Limits) -> u64 {
@@ -98,10 +95,7 @@ impl<'a> Bands<'a> {
         let width = if self.kernel.has_pixels() { self.record.columns } else { 1 };
         let pixels = f64::from(width) * f64::from(band.count);
         let cost = self.kernel.method().map_or(1.0, |method| method.cost());
-        let each = match self.kernel.task {
-            Task::Given { tree: true, .. } => TREE_TESTS,
-            _ => f64::from(self.record.spheres),
-        };
+        let each = f64::from(self.record.spheres);
         pixels * (each * cost + PIXEL)
     }
 }
@@ -137,14 +131,6 @@ pub(crate) fn uploads<'a>(kernel: &Kernel, input: &Input<'a>) -> Vec<(&'static s
     match input.rays {
         KernelRays::Viewing => {}
         KernelRays::Given(rays) => all.push(("rays", bytemuck::cast_slice(rays))),
-        KernelRays::Certified { rays, boxes, nodes, spheres } => {
-            all.push(("certified_rays", bytemuck::cast_slice(rays)));
-            all.push(("placed", bytemuck::cast_slice(spheres)));
-            if let Task::Given { tree: true, .. } = kernel.task {
-                all.push(("nodes", bytemuck::cast_slice(nodes)));
-                all.push(("boxes", bytemuck::cast_slice(boxes)));
-            }
-        }
     }
     if kernel.reads_residuals() {
         all.push(("residuals", bytemuck::cast_slice(&input.view.residuals)));

@@ -8,7 +8,7 @@ use super::budget::Need;
 use super::engine::BLOCK;
 use super::passes;
 use super::plan::kind::EngineKind;
-use super::plan::{Plan, lights};
+use super::plan::{GivenPlan, Plan, lights};
 use super::renderer::Renderer;
 use super::rendering::{FrameRays, Rendering};
 use super::report;
@@ -74,7 +74,7 @@ impl Renderer {
             let mut at = Rendering::new(this, scene, settings, rays);
             let setup = FrameSetup::new(&mut at, plan, (scene, None), Raster::centres(rays.window))?;
             if !has_kernel(&setup.plan) {
-                let problem = "exact answers are computed on the CPU without a kernel";
+                let problem = "the CPU computes these answers without a kernel";
                 return Err(Error::settings(problem, format!("use another {ACCURACY} or camera")));
             }
             let all = shaders(&kernel_of(&setup)).into_iter();
@@ -171,7 +171,7 @@ fn work(at: &mut Rendering<'_>, setup: &FrameSetup) -> Result<WorkOfPasses> {
 
 /// Whether a kernel or its twin runs.
 fn has_kernel(plan: &Plan) -> bool {
-    plan.engine != EngineKind::Judge && !(plan.given.is_some() && plan.accuracy == Accuracy::Exact)
+    plan.engine != EngineKind::Judge && !plan.given.as_ref().is_some_and(GivenPlan::certifies)
 }
 
 /// The kernel of a setup by the host, for its general spheres.
@@ -200,9 +200,9 @@ fn precision(setup: &FrameSetup) -> String {
         (EngineKind::Given { .. }, Accuracy::Exact, _) => {
             format!("double-double and exact integers on the CPU, every ray; {LENS_RAYS}")
         }
-        (EngineKind::Given { .. }, Accuracy::Certified, _) => format!(
-            "f32 with an error bound decides what is hit, f64 where; unsure rays are settled in exact arithmetic; {LENS_RAYS}"
-        ),
+        (EngineKind::Given { .. }, Accuracy::Certified, _) => {
+            format!("f64 with an error bound; unsure rays are settled in exact arithmetic; {LENS_RAYS}")
+        }
         (EngineKind::Given { .. }, ..) => format!("the method's own, without a bound; {LENS_RAYS}"),
         (EngineKind::Judge, ..) => {
             "double-double and exact integers on the CPU, every pixel: f32 cannot bound this field of view".into()

@@ -13,9 +13,6 @@ use halfline_ground::quote::setting::{ADAPTER, BACKEND};
 /// The end of a warning that an adapter is not used although the settings allow it.
 pub(super) const INSTEAD: &str = "the CPU path is used instead";
 
-/// The reason for the CPU path where planes cut spheres.
-pub(super) const CUT: &str = "the host decides spheres that planes cut";
-
 /// The device of a renderer, and the reason for it.
 pub(super) struct ChosenDevice {
     /// `None` for the CPU path.

@@ -144,7 +144,7 @@ impl Plan {
             accuracy: given.accuracy,
             reason: reason.to_owned(),
             engine: EngineKind::Given { tree },
-            kernel: Kernel { task: Task::Given { any: false, tree }, ..base.kernel },
+            kernel: Kernel { task: Task::Given, ..base.kernel },
             given: Some(given),
             ..base
         })

@@ -3,12 +3,10 @@
 mod by_method;
 mod certified;
 pub mod echoes;
-mod on_device;
 #[cfg(test)]
 mod tests;
 
 use super::budget;
-use super::place::{CUT, INSTEAD};
 use super::plan::{GivenPlan, choose};
 use super::renderer::Renderer;
 use crate::answers::settle::Settled;
@@ -22,7 +20,6 @@ pub use crate::view::given::Rays;
 use halfline_ground::error::Result;
 use halfline_ground::memory::zeroed;
 use halfline_ground::parallel;
-pub(super) use on_device::OnDevice;
 use std::sync::Arc;
 use web_time::Instant;
 
@@ -58,8 +55,6 @@ pub struct Occlusion {
 /// The plan for given rays, and their place.
 pub(super) struct GivenPlace {
     pub(super) plan: GivenPlan,
-    /// Whether an adapter traces.
-    pub(super) on_device: bool,
     /// The reason why an adapter is not used although the settings allow it.
     pub(super) warning: Option<String>,
 }
@@ -71,8 +66,6 @@ pub struct Tracer<'a> {
     plan: GivenPlan,
     /// Present if answers are certified and there are spheres.
     tree: Option<Arc<Tree>>,
-    /// Present if an adapter certifies.
-    device: Option<OnDevice>,
     warning: Option<String>,
     backend: Backend,
     /// Whether an adapter that is open is not used.
@@ -84,21 +77,16 @@ pub struct Tracer<'a> {
 }
 
 impl<'a> Tracer<'a> {
-    /// A tracer of a frame's rays by a plan, with the tree and the device's state that its engine keeps.
+    /// A tracer of a frame's rays by a plan, with the tree that its engine keeps.
     pub(super) fn of_frame(
         renderer: &'a mut Renderer,
         spheres: &'a Spheres,
         plan: GivenPlan,
-        (tree, device): (Option<Arc<Tree>>, Option<OnDevice>),
+        tree: Option<Arc<Tree>>,
         (tolerance, bounds): (f64, bool),
     ) -> Self {
         let (warning, backend, on_host, build_ms) = (None, Backend::default(), false, 0.0);
-        Self { renderer, spheres, plan, tree, device, warning, backend, on_host, tolerance, bounds, build_ms }
-    }
-
-    /// The state of its device.
-    pub(super) fn into_device(self) -> Option<OnDevice> {
-        self.device
+        Self { renderer, spheres, plan, tree, warning, backend, on_host, tolerance, bounds, build_ms }
     }
 
     /// The nearest hit of each ray. Certified and exact answers are those of exact arithmetic: t and distance within
@@ -149,7 +137,7 @@ impl<'a> Tracer<'a> {
                 Err(error) => self.warning = Some(self.renderer.device.leave(error, self.backend)?),
                 done => return done,
             }
-            (self.on_host, self.device) = (true, None);
+            self.on_host = true;
         }
         let gpu = self.renderer.device.gpu.take();
         let done = work(self);
@@ -157,16 +145,10 @@ impl<'a> Tracer<'a> {
         done
     }
 
-    /// Whether an adapter traces. Exact answers come from the CPU path with every backend.
+    /// Whether an adapter traces. Certified and exact answers come from the CPU path with every backend.
     #[must_use]
     pub fn is_gpu(&self) -> bool {
-        if self.plan.certifies() { self.device.is_some() } else { self.renderer.is_gpu() && !self.on_host }
-    }
-
-    /// Rays so far that the adapter's f32 left unsure and that f64 or the judge decided; 0 on the CPU path.
-    #[must_use]
-    pub fn refined(&self) -> u64 {
-        self.device.as_ref().map_or(0, |device| device.refined)
+        !self.plan.certifies() && self.renderer.is_gpu() && !self.on_host
     }
 
     /// The reason why an adapter is not used although the settings allow it.
@@ -230,27 +212,14 @@ impl Renderer {
     /// than a method tests in useful time.
     pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
         spheres.check()?;
-        let GivenPlace { plan, on_device, warning } = self.given_place(spheres, settings)?;
+        let GivenPlace { plan, warning, .. } = self.given_place(spheres, settings)?;
         let tolerance = settings.promise().relative();
-        let device = (on_device && plan.certifies()).then(OnDevice::default);
         let start = Instant::now();
         let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten().map(Arc::new);
         let build_ms = if tree.is_some() { milliseconds(start) } else { 0.0 };
         let (backend, on_host) = (settings.backend, warning.is_some());
         let bounds = settings.asks(&[Aov::Bound]);
-        Ok(Tracer {
-            renderer: self,
-            spheres,
-            plan,
-            tree,
-            device,
-            warning,
-            backend,
-            on_host,
-            tolerance,
-            bounds,
-            build_ms,
-        })
+        Ok(Tracer { renderer: self, spheres, plan, tree, warning, backend, on_host, tolerance, bounds, build_ms })
     }
 
     /// The plan for given rays, and where they are traced unless a device fails meanwhile.
@@ -259,20 +228,17 @@ impl Renderer {
     /// As [`Renderer::tracer`].
     pub(super) fn given_place(&mut self, spheres: &Spheres, settings: &Settings) -> Result<GivenPlace> {
         let plan = GivenPlan::new(settings, spheres.len())?;
-        let is_cut = spheres.cuts.is_some();
-        if is_cut && !plan.certifies() {
+        // With every backend: what would be left to the host takes longer than the CPU path (docs/hardware.md).
+        if plan.certifies() {
+            return Ok(GivenPlace { plan, warning: None });
+        }
+        if spheres.cuts.is_some() {
             return Err(choose::cut_by_method());
         }
         let load = budget::on_device(spheres.len(), &plan.kernel, 0);
-        let warning = match is_cut && self.is_gpu() {
-            true => Some(format!("{CUT}: {INSTEAD}")),
-            false => self
-                .blocker(load, plan.accuracy, settings.backend)
-                .or_else(|error| self.device.leave(error, settings.backend).map(Some))?,
-        };
-        // Exact answers come from the CPU path with every backend.
-        let on_device = self.is_gpu() && warning.is_none() && plan.accuracy != Accuracy::Exact;
-        Ok(GivenPlace { plan, on_device, warning })
+        let blocker = self.blocker(load, plan.accuracy, settings.backend);
+        let warning = blocker.or_else(|error| self.device.leave(error, settings.backend).map(Some))?;
+        Ok(GivenPlace { plan, warning })
     }
 
     /// The nearest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single

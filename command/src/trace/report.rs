@@ -136,8 +136,6 @@ pub(super) struct TraceReport {
     pub(super) certified: f64,
     /// Rays that were settled in exact arithmetic.
     pub(super) settled: u64,
-    /// Rays that an adapter's f32 left unsure, decided in f64 or in exact arithmetic.
-    pub(super) refined: u64,
     /// Time to set up the spheres, the tree included, milliseconds.
     pub(super) build_ms: f64,
     /// Time to trace each block of rays, milliseconds; reading and writing excluded.
@@ -251,7 +249,6 @@ impl TraceReport {
             search: tracer.search().name(),
             certified: share(tally.certified as f64, tally.rays as f64),
             settled: tally.settled,
-            refined: tracer.refined(),
             build_ms: tracer.build_ms(),
             trace_ms: tally.trace_ms,
             elapsed_ms: 0.0,

@@ -387,7 +387,7 @@ fn the_report_has_every_key() {
     for key in ["build_ms", "elapsed_ms", "certified"] {
         assert!(report[key].as_f64().is_some_and(|x| x >= 0.0), "{key}: {report}");
     }
-    assert_eq!(report["refined"], 0, "on the CPU path: {report}");
+    assert_eq!((&report["backend"], &report["adapter"]), (&"cpu".into(), &"cpu".into()), "{report}");
     assert!(report["settled"].is_u64() && report["pattern"].is_null() && report["any"] == false, "{report}");
     let times = report["trace_ms"].as_array().expect("a list");
     assert!(times.len() == 1 && times[0].as_f64().is_some_and(|ms| ms > 0.0), "{report}");

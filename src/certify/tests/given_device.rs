@@ -13,8 +13,7 @@ use crate::double_double as dd;
 use crate::exact::judge_ray;
 use crate::number::{Arithmetic, Number};
 use crate::scene::Spheres;
-use crate::search::tree::device::PlacedSphereRecord;
-use crate::search::tree::device_rays::CertifiedRayRecord;
+use crate::search::tree::device::{OnGrid, PlacedSphereRecord, on_grid};
 use crate::search::tree::{BoxRay, Tree};
 use crate::testing::Rng;
 use crate::view::placement::PLACED;
@@ -62,6 +61,31 @@ const EACH: [Term; 6] = [
     ("quotient", |t| &mut t.quotient),
 ];
 
+/// A ray as a device certifies it, in the tree's unit; certify/given.wgsl declares it. A ray from a hit has its start there.
+struct DeviceRay {
+    steps: [i32; 3],
+    rest: [f32; 3],
+    direction: [f32; 3],
+    blur: f32,
+}
+
+/// Bound of the error of a difference of two places in each component, beside three roundings of the difference:
+/// docs/certificate.md, section 9.
+const PLACE: f64 = 8.0 * PLACED;
+
+impl DeviceRay {
+    /// The ray from `origin` (in the tree's coordinates) along `direction`. `None` if its boxes leave nothing out, since then f32
+    /// decides nothing either.
+    fn new(origin: [f64; 3], direction: [f64; 3], boxes: &BoxRay) -> Option<Self> {
+        if *boxes == BoxRay::EVERYTHING {
+            return None;
+        }
+        let (steps, rest): OnGrid = on_grid(std::array::from_fn(|n| origin[n] + boxes.start * direction[n]));
+        let blur = ((BoxRay::lost(origin) + PLACE) as f32).next_up();
+        Some(Self { steps, rest, direction: direction.map(|x| x as f32), blur })
+    }
+}
+
 /// A ray and a sphere in the numbers of a twin.
 pub(super) struct Pair<R> {
     pub(super) steps: [R; 3],
@@ -73,7 +97,7 @@ pub(super) struct Pair<R> {
 }
 
 impl<R: Number> Pair<R> {
-    fn new(ray: &CertifiedRayRecord, s: &PlacedSphereRecord, number: impl Fn(f32) -> R) -> Self {
+    fn new(ray: &DeviceRay, s: &PlacedSphereRecord, number: impl Fn(f32) -> R) -> Self {
         Self {
             steps: std::array::from_fn(|n| R::from_i32(s.steps[n] - ray.steps[n])),
             rests: [s.rest, ray.rest].map(|rest| rest.map(R::from_f32)),
@@ -210,7 +234,7 @@ fn case(random: &mut Rng, kind: usize) -> Case {
 struct Staged {
     case: Case,
     exact: CertifiedRay,
-    ray: CertifiedRayRecord,
+    ray: DeviceRay,
     start: f64,
     sphere: PlacedSphereRecord,
 }
@@ -220,7 +244,7 @@ fn staged(random: &mut Rng, kind: usize) -> Option<Staged> {
     let tree = Tree::new(&case.spheres.centers, &case.spheres.radii)?;
     let exact = CertifiedRay::new(&tree.placement, case.origin, case.direction, f64::INFINITY);
     let boxes = BoxRay::new(exact.placed(), exact.direction, 0.0)?;
-    let ray = CertifiedRayRecord::new(exact.placed(), exact.direction, exact.limit, &boxes)?;
+    let ray = DeviceRay::new(exact.placed(), exact.direction, &boxes)?;
     let place = tree.ids.iter().position(|id| *id == 0)?;
     let sphere = tree.device_spheres()[place];
     Some(Staged { case, exact, ray, start: boxes.start, sphere })

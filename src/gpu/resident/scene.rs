@@ -101,7 +101,7 @@ pub(super) struct PlacedFor {
 }
 
 /// The positions and radii of a scene's spheres, which all renderers of a device read.
-pub(crate) struct HeldSpheres {
+pub(crate) struct SpheresOnDevice {
     of: SameSpheres,
     /// Spheres of a block.
     size: usize,
@@ -109,7 +109,7 @@ pub(crate) struct HeldSpheres {
     blocks: Vec<wgpu::Buffer>,
 }
 
-impl HeldSpheres {
+impl SpheresOnDevice {
     /// Room for the spheres in blocks of `size` spheres.
     pub(super) fn new(open: &Open, spheres: &Spheres, frame: u64, size: usize) -> Self {
         let starts = (0..spheres.len()).step_by(size);
@@ -152,7 +152,7 @@ fn buffer(open: &Open, label: &str, size: u64) -> wgpu::Buffer {
 
 /// The spheres of a scene on a device.
 pub(crate) struct ResidentScene {
-    held: Option<Arc<HeldSpheres>>,
+    shared: Option<Arc<SpheresOnDevice>>,
     /// The last frame that used them.
     pub(super) used: u64,
     count: u32,
@@ -189,7 +189,7 @@ impl ResidentScene {
         let is_cut = ranks.is_some();
         let block = |n: usize| Block::new(open, [n, size.min(spheres.len() - n)].map(|n| n as u32), is_cut);
         Self {
-            held: None,
+            shared: None,
             used: frame,
             count: spheres.len() as u32,
             reach: Reach::of(spheres),
@@ -209,9 +209,9 @@ impl ResidentScene {
     ///
     /// # Errors
     /// [`Error::DeviceLost`](crate::Error::DeviceLost).
-    pub(super) fn take(&mut self, held: Arc<HeldSpheres>, open: &mut Open) -> Result<u64> {
-        self.blocks.iter_mut().zip(&held.blocks).for_each(|(block, spheres)| block.spheres = Some(spheres.clone()));
-        self.held = Some(held);
+    pub(super) fn take(&mut self, shared: Arc<SpheresOnDevice>, open: &mut Open) -> Result<u64> {
+        self.blocks.iter_mut().zip(&shared.blocks).for_each(|(block, spheres)| block.spheres = Some(spheres.clone()));
+        self.shared = Some(shared);
         self.blocks.iter().map(|block| self.send_ranks(open, block, |n| block.first + n)).sum()
     }
 
@@ -231,8 +231,8 @@ impl ResidentScene {
             ((None, None, _), None) => true,
             ((_, address, sent), _) => *address == address_of_colors(spheres) && *sent == frame,
         };
-        let is_held = self.held.as_ref().is_some_and(|held| held.of.is_of(spheres, frame));
-        colors && self.cuts == spheres.cuts && is_held
+        let is_same = self.shared.as_ref().is_some_and(|shared| shared.of.is_of(spheres, frame));
+        colors && self.cuts == spheres.cuts && is_same
     }
 
     /// The id of the sphere in a slot.

@@ -9,13 +9,12 @@ use crate::cpu::given_cuts::GivenCuts;
 use crate::double_double as dd;
 use crate::exact::Truth;
 use crate::frame::Aov;
-use crate::render::place::CUT;
 use crate::render::plan::GivenPlan;
 use crate::render::rendering::Rendering;
-use crate::render::trace::{Hits, OnDevice, Rays, Tracer};
+use crate::render::trace::{Hits, Rays, Tracer};
 use crate::scene::Scene;
 use crate::search::tree::Tree;
-use crate::settings::{Accuracy, Search, Settings};
+use crate::settings::{Search, Settings};
 use crate::view::View;
 use crate::view::picture_rays::PictureRays;
 use crate::view::ray::NONE;
@@ -37,14 +36,12 @@ pub(in crate::render) struct GivenRays {
     bounds: bool,
     /// The tree over the spheres, once it is needed; `None` without spheres.
     tree: Option<Arc<Tree>>,
-    /// The state of a device that holds the tree.
-    device: Option<OnDevice>,
 }
 
 impl GivenRays {
     pub(in crate::render) fn new(plan: GivenPlan, settings: &Settings) -> Self {
         let (tolerance, bounds) = (settings.promise().relative(), settings.asks(&[Aov::Bound]));
-        Self { plan, tolerance, bounds, tree: None, device: None }
+        Self { plan, tolerance, bounds, tree: None }
     }
 
     /// Builds the tree, unless it is known.
@@ -98,14 +95,8 @@ impl Engine for GivenRays {
         let (count, watch) = (all.directions.len(), renderer.watch.clone());
         let mut plan = self.plan.clone();
         plan.kernel.normal = kernel.has_normals();
-        let is_cut = scene.spheres.cuts.is_some();
-        if is_cut && renderer.is_gpu() {
-            log.refuse(CUT);
-        }
-        let on_device = renderer.is_gpu() && plan.accuracy == Accuracy::Certified && !is_cut;
-        let device = on_device.then(|| self.device.take().unwrap_or_default());
         let promise = (self.tolerance, self.bounds && kernel.t);
-        let mut tracer = Tracer::of_frame(renderer, &scene.spheres, plan, (self.tree.clone(), device), promise);
+        let mut tracer = Tracer::of_frame(renderer, &scene.spheres, plan, self.tree.clone(), promise);
         let mut settled = Vec::new();
         let doing = watch.begin(Step::Trace, count as u64);
         for first in (0..count).step_by(BLOCK) {
@@ -124,7 +115,6 @@ impl Engine for GivenRays {
                 return Err(Error::Interrupted);
             }
         }
-        self.device = tracer.into_device();
         doing.end()?;
         Ok(Found::Hits(settled))
     }

@@ -19,12 +19,6 @@ const SPHERES_PER_RAY: usize = 4;
 /// Least rays of a block: their answers, 2 MB, are written while they are in a cache.
 pub(super) const LEAST: usize = 1 << 15;
 
-/// Most rays whose answers are in memory, 64 bytes each.
-const AT_ONCE: usize = 1 << 20;
-
-/// Most rays of a call of a device.
-const RAYS_ON_DEVICE: usize = 1 << 18;
-
 impl Tracer<'_> {
     /// The nearest hits, and the truths of the rays that the judge settled, in the order of the rays.
     pub(super) fn certified_hits(&mut self, rays: &Rays) -> Result<(Hits, Vec<Settled>)> {
@@ -63,14 +57,14 @@ impl Tracer<'_> {
     /// with the truth beside it. The truths are returned, in the order of the rays.
     ///
     /// # Errors
-    /// [`Error::Interrupted`](crate::Error::Interrupted), and errors of the device.
+    /// [`Error::Interrupted`](crate::Error::Interrupted).
     fn each_answer<Q: Query, T: Target>(
         &mut self,
         rays: &Rays,
-        mut places: T,
+        places: T,
         write: &Write<'_, Q, T>,
     ) -> Result<Vec<Settled>> {
-        let Self { renderer, spheres, plan, tree, device, tolerance, .. } = self;
+        let Self { renderer, spheres, plan, tree, tolerance, .. } = self;
         let Some(tree) = tree else {
             return Ok(Vec::new());
         };
@@ -80,33 +74,14 @@ impl Tracer<'_> {
         let answering = Answering { given, spheres, watch: &renderer.watch, write };
         let is_exact = plan.accuracy == Accuracy::Exact;
         let block = (spheres.len() / SPHERES_PER_RAY).max(LEAST);
-        let mut settled = Vec::new();
-        for first in (0..rays.len()).step_by(AT_ONCE) {
-            let rays = first..rays.len().min(first + AT_ONCE);
-            let [now, later] = places.split(rays.len());
-            places = later;
-            match (&mut renderer.device.gpu, &mut *device) {
-                (Some(gpu), Some(device)) if !is_exact => {
-                    let numbers = given.order(rays);
-                    let mut answers = Vec::with_capacity(numbers.len());
-                    for numbers in numbers.chunks(RAYS_ON_DEVICE) {
-                        answering.watch.check()?;
-                        answers.extend(device.answers::<Q>(gpu, &given, numbers, answering.watch)?);
-                    }
-                    settled.extend(answering.finish(first, now, &numbers, &answers)?);
-                }
-                _ => {
-                    let blocks = parallel::blocks(now, block, &|range, places| {
-                        answering.watch.check()?;
-                        let numbers = given.order(first + range.start..first + range.end);
-                        let answers = if is_exact { vec![Q::UNSURE; numbers.len()] } else { given.each(&numbers) };
-                        answering.finish(first + range.start, places, &numbers, &answers)
-                    });
-                    settled.extend(blocks.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten());
-                }
-            }
-        }
-        Ok(settled)
+        let blocks = parallel::blocks(places, block, &|range, places| {
+            answering.watch.check()?;
+            let numbers = given.order(range.clone());
+            let answers = if is_exact { vec![Q::UNSURE; numbers.len()] } else { given.each(&numbers) };
+            answering.finish(range.start, places, &numbers, &answers)
+        });
+        let settled = blocks.into_iter().collect::<Result<Vec<_>>>()?;
+        Ok(settled.into_iter().flatten().collect())
     }
 }
 

@@ -88,7 +88,7 @@ impl BoxRay {
     }
 
     /// A ray that enters every box at its start.
-    pub(super) const EVERYTHING: Self = Self {
+    pub(crate) const EVERYTHING: Self = Self {
         enter: [ABOVE; 3],
         leave: [-ABOVE; 3],
         inverse: [1.0; 3],

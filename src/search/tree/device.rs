@@ -8,7 +8,6 @@ use super::build::bounds;
 use super::{Node, Tree, WIDE};
 use crate::double_double as dd;
 use crate::view::View;
-use crate::view::placement::PLACED;
 use bytemuck::{Pod, Zeroable};
 use halfline_ground::parallel;
 
@@ -84,14 +83,10 @@ const STEPS: f64 = (1u64 << 28) as f64;
 /// Largest coordinate of a place on the grid, in the tree's unit: differences of two places fit an i32.
 pub(super) const NEAR: f64 = 3.0;
 
-/// Bound of the error of a difference of two places in each component, beside three roundings of the difference:
-/// docs/certificate.md, section 9.
-pub(super) const PLACE: f64 = 8.0 * PLACED;
-
 /// A place as whole steps and a rest.
 pub(crate) type OnGrid = ([i32; 3], [f32; 3]);
 
-pub(super) fn on_grid(at: [f64; 3]) -> OnGrid {
+pub(crate) fn on_grid(at: [f64; 3]) -> OnGrid {
     let steps = at.map(|x| (x * STEPS).round());
     (steps.map(|n| n as i32), std::array::from_fn(|n| (at[n] - steps[n] / STEPS) as f32))
 }

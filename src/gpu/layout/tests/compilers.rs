@@ -60,7 +60,7 @@ fn every_implementation_of_webgpu_binds_the_buffers_of_every_shader() {
         let group = match kernel.task {
             Task::Method { rays, .. } => format!("methods, {rays:?}"),
             Task::Certified(certificate) => format!("certified, general spheres: {:?}", certificate.generals),
-            Task::Given { tree, .. } => format!("given rays, tree: {tree}"),
+            Task::Given => continue,
         };
         count(group, module, info);
     }

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::search::tree::device::{NodeRecord, first};
-use crate::search::tree::device_rays::BoxRayRecord;
 
 /// A box as its grid states it, exactly; `None` for a child that is missing.
 fn decoded(record: &NodeRecord, lane: usize) -> Option<[[f64; 3]; 2]> {
@@ -51,7 +50,7 @@ fn rounded(random: &mut Rng, x: f64) -> f32 {
 }
 
 /// Whether a device enters the box of this child before `limit`: the operations of `descend`.
-fn enters(random: &mut Rng, node: &NodeRecord, lane: usize, ray: &BoxRayRecord, limit: f32) -> bool {
+fn enters(random: &mut Rng, node: &NodeRecord, lane: usize, ray: &BoxRay, limit: f32) -> bool {
     let (mut near, mut far) = (0f32, limit);
     for n in 0..3 {
         let step = f32::from_bits((node.grid >> (8 * n) & 255) << 23) * ray.inverse[n];
@@ -77,12 +76,11 @@ fn lost_by_device(extra: impl Fn(f64) -> f64) -> usize {
         if nodes.is_empty() {
             nodes = tree.device_nodes();
         }
-        let record = BoxRayRecord::new(Some(*ray));
         let limit = ray.limit(t);
         let place = tree.ids.iter().position(|id| *id == k).expect("a sphere");
         (0..=tree.levels()).all(|level| {
             let child = place >> (3 * (tree.levels() - level));
-            enters(random, &nodes[first(level) + child / WIDE], child % WIDE, &record, limit)
+            enters(random, &nodes[first(level) + child / WIDE], child % WIDE, ray, limit)
         })
     })
 }
@@ -115,11 +113,11 @@ fn lost_from_hits(pad: f64) -> (usize, usize) {
             std::array::from_fn(|n| rounded(random, f64::from(origin[n]) + back * pad.copysign(inverse[n].into())))
         };
         let ray = BoxRay { enter: moved(1.0), leave: moved(-1.0), inverse, ..*ray };
-        let (record, limit) = (BoxRayRecord::new(Some(ray)), ray.limit(t));
+        let limit = ray.limit(t);
         let place = tree.ids.iter().position(|id| *id == k).expect("a sphere");
         (0..=tree.levels()).all(|level| {
             let child = place >> (3 * (tree.levels() - level));
-            enters(random, &nodes[first(level) + child / WIDE], child % WIDE, &record, limit)
+            enters(random, &nodes[first(level) + child / WIDE], child % WIDE, &ray, limit)
         })
     });
     (lost, count)
