@@ -1,9 +1,10 @@
 """Arrays go in without a copy where they can, and come out without one."""
 
+import ctypes
 import gc
 import sys
 import weakref
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pytest
@@ -113,6 +114,39 @@ def test_what_comes_out_cannot_be_written(cpu: hl.Renderer, cloud: hl.Scene) -> 
             array.flags.writeable = True
         with pytest.raises(ValueError):
             array[0] = 1
+
+
+class _Tensor(ctypes.Structure):
+    """DLManagedTensorVersioned of DLPack 1.0 (dlpack.h), as far as its shape."""
+
+    _fields_: ClassVar = [
+        ("version", ctypes.c_uint32 * 2),
+        ("manager", ctypes.c_void_p),
+        ("deleter", ctypes.c_void_p),
+        ("flags", ctypes.c_uint64),
+        ("data", ctypes.c_void_p),
+        ("device", ctypes.c_int32 * 2),
+        ("ndim", ctypes.c_int32),
+        ("dtype", ctypes.c_uint8 * 4),
+        ("shape", ctypes.POINTER(ctypes.c_int64)),
+    ]
+
+
+def test_arrays_share_their_memory_by_dlpack(cpu: hl.Renderer, cloud: hl.Scene) -> None:
+    frame = cpu.render(cloud, size=(8, 6), aovs=["color", "depth", "normal", "mask"])
+    hits = cpu.trace(cloud, [[0, 0, 9.0]] * 3, [[0, 0, -1.0]] * 3)
+    pointer = ctypes.pythonapi.PyCapsule_GetPointer
+    pointer.restype, pointer.argtypes = ctypes.c_void_p, [ctypes.py_object, ctypes.c_char_p]
+    arrays = [frame[name] for name in frame]
+    arrays += [hits.id, hits.t, hits.distance, hits.normal, hits.certainty, cloud.centers]
+    for array in arrays:
+        # As PyTorch asks for it; the address is that of the protocol, read without NumPy.
+        capsule = array.__dlpack__(max_version=(1, 0))
+        tensor = _Tensor.from_address(pointer(capsule, b"dltensor_versioned"))
+        assert tensor.data == address(array)
+        assert (tuple(tensor.shape[: tensor.ndim]), tensor.device[0]) == (array.shape, 1)
+        assert (tensor.flags & 1 == 1) != array.flags.writeable
+        assert address(np.from_dlpack(array)) == address(array)
 
 
 def test_arrays_outlive_frame_and_renderer() -> None:
