@@ -1,4 +1,4 @@
-// The uniform from which spheres are placed in the image: the camera in f64, and the constants of the host's bounds.
+// The numbers from which spheres are placed in the image: the camera in f64, and the constants of the host's bounds.
 
 struct Placing {
     eye: array<vec4<u32>, 3>,       // numbers of f64 as in float64.wgsl
@@ -35,7 +35,8 @@ struct Placing {
     unused_a: u32,
 }
 
-@group(0) @binding(BIND_PLACING) var<uniform> placing: Placing;
+// Not in a uniform: lavapipe compiles a shader anew for the values of uniforms that decide its branches alone.
+@group(0) @binding(BIND_PLACING) var<storage, read> placing: Placing;
 
 // A block of spheres in one dispatch.
 struct BlockPass {
