@@ -43,6 +43,20 @@ use std::cmp::Ordering;
 pub(crate) const BYTES_PER_SPHERE: u64 = (size_of::<Body>() + size_of::<Screen>()) as u64;
 
 /// A scene set up for exact decisions, pixel by pixel, from any number of threads.
+///
+/// ```
+/// use halfline::exact::Judge;
+/// # use halfline::{Camera, ImagePlane, Scene, Spheres};
+/// # let image = ImagePlane { width: 32, height: 32, ..Default::default() };
+/// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]].into(), radii: vec![1.0].into(), ..Spheres::default() };
+/// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+///
+/// let judge = Judge::new(&scene)?;
+/// let truth = judge.pixel(16, 16).expect("the middle of the picture shows the sphere");
+/// assert_eq!(truth.id, 0);
+/// assert!(judge.pixel(0, 0).is_none());
+/// # Ok::<(), halfline::Error>(())
+/// ```
 pub struct Judge {
     bench: Bench,
     lens: JudgedLens,

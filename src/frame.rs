@@ -23,6 +23,23 @@ pub use aov::{Aov, MOST_LIGHTS};
 pub use buffer::{Buffer, Data};
 
 /// A rendered frame: its buffers and its report.
+///
+/// ```
+/// use halfline::{Accuracy, Aov, Settings};
+/// # use halfline::{Camera, ImagePlane, Scene, Spheres};
+/// # let image = ImagePlane { width: 32, height: 32, ..Default::default() };
+/// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]].into(), radii: vec![1.0].into(), ..Spheres::default() };
+/// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+///
+/// let settings = Settings { accuracy: Accuracy::Certified, aovs: vec![Aov::Distance], ..Settings::default() };
+/// let frame = halfline::render(&scene, &settings)?;
+/// let distances = frame.f64(Aov::Distance).expect("they were requested");
+/// for (id, distance) in frame.ids().iter().zip(distances) {
+///     assert_eq!(*id < 0, distance.is_infinite(), "a miss is -1 and +inf");
+/// }
+/// assert!(frame.report.warnings.is_empty());
+/// # Ok::<(), halfline::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Frame {
     /// Columns of the window.

@@ -1,5 +1,24 @@
 //! halfline renders spheres, from atoms to planets, headless, on any GPU, on software Vulkan or on the CPU.
 //!
+//! # Render a picture with the depth of every pixel
+//!
+//! ```
+//! use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Spheres};
+//!
+//! let mut spheres = Spheres::default();
+//! spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
+//! let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
+//! let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+//! let settings = Settings { aovs: vec![Aov::Color, Aov::Depth], ..Settings::default() };
+//! let frame = halfline::render(&scene, &settings)?;
+//! assert_eq!(frame.ids()[32 * 64 + 32], 0, "the middle pixel shows sphere 0");
+//! assert!((frame.f64(Aov::Depth).unwrap()[32 * 64 + 32] - 2.0).abs() < 1e-3, "its front is 2 away");
+//! frame.image().unwrap().save(std::env::temp_dir().join("halfline.png"))?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! # The modules
+//!
 //! The data flows one way, and the modules follow it:
 //!
 //! ```text
@@ -23,23 +42,6 @@
 //!
 //! Scenes are read from files, and frames written to files, by the crate `halfline-files`; `halfline-measure` compares frames with exact
 //! arithmetic.
-//!
-//! # Ten lines
-//!
-//! ```
-//! use halfline::{Aov, Camera, ImagePlane, Scene, Settings, Spheres};
-//!
-//! let mut spheres = Spheres::default();
-//! spheres.push([0.0, 0.0, -3.0], 1.0, Some([0.9, 0.4, 0.2]));
-//! let image = ImagePlane { width: 64, height: 64, background: [0.0; 3] };
-//! let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
-//! let settings = Settings { aovs: vec![Aov::Color, Aov::Depth], ..Settings::default() };
-//! let frame = halfline::render(&scene, &settings)?;
-//! assert_eq!(frame.ids()[32 * 64 + 32], 0, "the middle pixel shows sphere 0");
-//! assert!((frame.f64(Aov::Depth).unwrap()[32 * 64 + 32] - 2.0).abs() < 1e-3, "its front is 2 away");
-//! frame.image().unwrap().save(std::env::temp_dir().join("halfline.png"))?;
-//! # Ok::<(), Box<dyn std::error::Error>>(())
-//! ```
 
 mod answers;
 mod certify;

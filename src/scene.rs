@@ -47,6 +47,22 @@ pub use source::{SphereSource, middle};
 pub const DEFAULT_COLOR: [f32; 3] = [0.8, 0.8, 0.8];
 
 /// A scene: camera, image plane, spheres and lights. World coordinates are in any unit of length.
+///
+/// ```
+/// use halfline::{Camera, ImagePlane, Lens, Look, Scene, Spheres};
+///
+/// let mut spheres = Spheres::default();
+/// spheres.push([0.0, 0.0, 0.0], 1.0, Some([0.9, 0.4, 0.2]));
+/// let camera = Camera {
+///     eye: [0.0, 1.0, 5.0].into(),
+///     look: Look::At([0.0, 0.0, 0.0].into()),
+///     up: [0.0, 1.0, 0.0].into(),
+///     lens: Lens::Vfov { degrees: 40.0, distance: 1.0 },
+/// };
+/// let image = ImagePlane { width: 64, height: 48, background: [1.0; 3] };
+/// let scene = Scene { camera, image, spheres, lighting: Default::default() };
+/// assert!(scene.check().is_ok());
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     /// The camera.
@@ -78,6 +94,15 @@ impl Default for ImagePlane {
 }
 
 /// The spheres in the scene's order: a sphere's id is its index here.
+///
+/// ```
+/// use halfline::Spheres;
+///
+/// let mut spheres = Spheres { centers: vec![[0.0; 3], [2.0, 0.0, 0.0]].into(), radii: vec![1.0, 0.5].into(), ..Spheres::default() };
+/// spheres.push([4.0, 0.0, 0.0], 0.25, None);
+/// assert_eq!((spheres.len(), spheres.radii[2]), (3, 0.25));
+/// spheres.share(); // clones of the scene share the numbers from here on
+/// ```
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Spheres {
     /// Centres in world coordinates.

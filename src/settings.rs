@@ -57,6 +57,18 @@ pub const DEPTH_CUE: f64 = 0.6;
 pub const MOST_LAYERS: u32 = 64;
 
 /// The settings of a rendering, besides its scene.
+///
+/// ```
+/// use halfline::{Accuracy, Aov, Backend, Settings};
+///
+/// let settings = Settings {
+///     backend: Backend::Cpu,
+///     accuracy: Accuracy::Certified,
+///     aovs: vec![Aov::Depth, Aov::Normal],
+///     ..Settings::default()
+/// };
+/// # assert!(settings.aovs.contains(&Aov::Depth));
+/// ```
 #[derive(Debug, Clone, Default)]
 pub struct Settings {
     /// The device that renders: a GPU or the CPU.

@@ -146,3 +146,97 @@ fn names_are_the_fields_own() {
     assert!(EXCEPTIONS.len() <= 10 && EXCEPTIONS.iter().all(|(_, reason)| !reason.is_empty()));
     assert!(found.is_empty(), "{} names say nothing of the field: {found:?}", found.len());
 }
+
+/// Phrases that hide the noun that they stand for, and the most of them in code with its texts and in pages.
+const VAGUE: [&str; 3] = ["those of", "that of", "of which"];
+const MOST_IN_CODE: usize = 752;
+const MOST_IN_PAGES: usize = 58;
+
+/// Pages with sentences of more than [`LONGEST`] words, and their number. It only shrinks.
+const LONG_SENTENCES: [(&str, usize); 1] = [("docs/certificate.md", 76)];
+const LONGEST: usize = 35;
+
+/// The pages of the project, without its log of changes and texts of others.
+fn pages() -> Vec<(String, String)> {
+    let root = home();
+    let folders = ["", "docs", "benches/peers", "fuzz", "packaging", ".github", ".github/ISSUE_TEMPLATE"];
+    let crates = FOLDERS.iter().map(|folder| folder.trim_end_matches("/src"));
+    let mut found = BTreeMap::new();
+    for folder in folders.into_iter().chain(crates) {
+        for entry in fs::read_dir(root.join(folder)).into_iter().flatten() {
+            let path = entry.expect("an entry").path();
+            let name = path.strip_prefix(&root).expect("inside").display().to_string();
+            let is_other = ["CHANGELOG", "CODE_OF_CONDUCT", "SECURITY"].iter().any(|other| name.starts_with(other));
+            if path.extension().is_some_and(|extension| extension == "md") && !is_other {
+                found.insert(name, fs::read_to_string(&path).expect("text"));
+            }
+        }
+    }
+    assert!(found.len() > 30, "{} pages", found.len());
+    found.into_iter().collect()
+}
+
+/// The paragraphs and points of a page, without code, tables and headings.
+fn paragraphs(page: &str) -> Vec<String> {
+    let mut found = vec![String::new()];
+    let mut is_code = false;
+    for line in page.lines() {
+        let text = line.trim_start();
+        let is_fence = text.starts_with("```");
+        is_code ^= is_fence;
+        let is_point = text.starts_with("- ") || text.split_once(". ").is_some_and(|(n, _)| n.parse::<u32>().is_ok());
+        let is_block = is_code || is_fence || line.starts_with("    ") && !is_point;
+        let is_prose = !is_block && !text.starts_with(['|', '#']) && !text.is_empty();
+        if is_point || !is_prose {
+            found.push(String::new());
+        }
+        if is_prose && let Some(last) = found.last_mut() {
+            *last += text;
+            last.push(' ');
+        }
+    }
+    found
+}
+
+/// The numbers of words of the sentences of a paragraph.
+fn sentences(paragraph: &str) -> Vec<usize> {
+    let (mut counts, mut count) = (Vec::new(), 0);
+    // A code span is a word.
+    let plain: String = paragraph.split('`').enumerate().map(|(n, part)| if n % 2 == 1 { "x" } else { part }).collect();
+    for word in plain.split_whitespace() {
+        count += 1;
+        if word.trim_end_matches([')', '*', '"']).ends_with(['.', '!', '?', ':']) {
+            counts.push(std::mem::take(&mut count));
+        }
+    }
+    counts.push(count);
+    counts
+}
+
+/// The number of vague phrases in a text.
+fn vague(text: &str) -> usize {
+    let words: Vec<String> = text
+        .split(|c: char| !c.is_alphanumeric() && !"'`_-".contains(c))
+        .filter(|word| !word.is_empty())
+        .map(str::to_lowercase)
+        .collect();
+    words
+        .windows(2)
+        .filter(|pair| VAGUE.iter().any(|phrase| phrase.split(' ').eq(pair.iter().map(String::as_str))))
+        .count()
+}
+
+#[test]
+fn sentences_are_short_and_name_their_nouns() {
+    assert_eq!(sentences("One two. `a b c` is `d`: (five six.) Seven"), [2, 3, 2, 1]);
+    assert_eq!(vague("Those of a list, and a list\nof which"), 2);
+    let in_code: usize = sources().iter().map(|(_, text)| vague(text)).sum();
+    let pages = pages();
+    let in_pages: usize = pages.iter().map(|(_, text)| vague(text)).sum();
+    println!("{in_code} vague phrases in code, {in_pages} in pages");
+    let long = |text: &str| paragraphs(text).iter().flat_map(|p| sentences(p)).filter(|n| *n > LONGEST).count();
+    let found: Vec<(&str, usize)> =
+        pages.iter().map(|(name, text)| (name.as_str(), long(text))).filter(|(_, n)| *n > 0).collect();
+    assert_eq!(found, LONG_SENTENCES, "pages with sentences of more than {LONGEST} words");
+    assert!(in_code <= MOST_IN_CODE && in_pages <= MOST_IN_PAGES);
+}

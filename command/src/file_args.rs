@@ -125,7 +125,7 @@ impl FileArgs {
         let film = self.film().map(|film| film.path);
         let holds = |target: &Target| target.format().has_levels() && Some(target.path()) != film;
         if self.typed.has("dpi") && !targets.iter().any(holds) && self.figure().is_none() {
-            let problem = "--dpi applies to .png, .tif, .jpg and .webp files, and none is written";
+            let problem = "--dpi applies to .png, .tif, .jpg, .webp, .svg and .pdf files, and none is written";
             return Err(Error::settings(problem, "use the file name extension .png, or remove --dpi"));
         }
         let short = |target: &&Target| target.format().is_copy() && !target.format().takes_sixteen_bits();

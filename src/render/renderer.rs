@@ -25,6 +25,25 @@ use web_time::Instant;
 pub(super) const NOTHING: &str = "it has no spheres";
 
 /// A device with its pipelines and buffers, or the CPU reference path, kept for many frames.
+///
+/// ```
+/// use halfline::{Renderer, Settings};
+/// # use halfline::{Camera, ImagePlane, Scene, Spheres};
+/// # let image = ImagePlane { width: 32, height: 32, ..Default::default() };
+/// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]].into(), radii: vec![1.0].into(), ..Spheres::default() };
+/// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+/// # let mut scene = scene;
+///
+/// let settings = Settings::default();
+/// let mut renderer = Renderer::new(&settings)?;
+/// for step in 0..3 {
+///     scene.camera.eye.x = 0.1 * f64::from(step);
+///     let frame = renderer.render(&scene, &settings)?;
+///     assert!(frame.report.hits > 0);
+///     renderer.recycle(frame); // its memory serves the next frame
+/// }
+/// # Ok::<(), halfline::Error>(())
+/// ```
 pub struct Renderer {
     pub(super) device: ChosenDevice,
     pub(super) setup_ms: f64,

@@ -38,6 +38,27 @@ const REFRESH_SPHERES: usize = 1 << 18;
 const CULL_MIN_SPHERES: usize = 1 << 22;
 
 /// The spheres of a frame, block by block.
+///
+/// ```
+/// use halfline::render::stream::Stream;
+/// use halfline::{Accuracy, Settings};
+/// # use halfline::{Camera, ImagePlane, Scene, Spheres};
+/// # let image = ImagePlane { width: 32, height: 32, ..Default::default() };
+/// # let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]].into(), radii: vec![1.0].into(), ..Spheres::default() };
+/// # let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+///
+/// let settings = Settings { accuracy: Accuracy::Certified, ..Settings::default() };
+/// let mut stream = Stream::new(&scene, &settings)?;
+/// for n in 0..3 {
+///     let centers = vec![[0.0, 0.0, -3.0 - 4.0 * f64::from(n)]];
+///     stream.add(&Spheres { centers: centers.into(), radii: vec![1.0].into(), ..Spheres::default() })?;
+/// }
+/// let visible = stream.finish()?;
+/// let mut frame = halfline::render(&visible.scene, &settings)?;
+/// visible.ids.restore(&mut frame);
+/// assert_eq!(frame.report.spheres, 3);
+/// # Ok::<(), halfline::Error>(())
+/// ```
 pub struct Stream {
     settings: Settings,
     /// The scene without spheres.

@@ -60,6 +60,19 @@ pub(super) struct GivenPlace {
 }
 
 /// Spheres set up for given rays, which may come in any number of calls.
+///
+/// ```
+/// use halfline::{Rays, Renderer, Settings, Spheres};
+///
+/// let spheres = Spheres { centers: vec![[0.0, 0.0, -3.0]].into(), radii: vec![1.0].into(), ..Spheres::default() };
+/// let settings = Settings::default();
+/// let mut renderer = Renderer::new(&settings)?;
+/// let mut tracer = renderer.tracer(&spheres, &settings)?;
+/// let directions = [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0]];
+/// let hits = tracer.hits(&Rays { origins: &[[0.0; 3]], directions: &directions, limits: &[] })?;
+/// assert_eq!((hits.id, hits.t[0]), (vec![0, -1], 2.0));
+/// # Ok::<(), halfline::Error>(())
+/// ```
 pub struct Tracer<'a> {
     renderer: &'a mut Renderer,
     spheres: &'a Spheres,

@@ -47,6 +47,16 @@ use std::f64::consts::{PI, TAU};
 pub(crate) const CURVED: &str = "distortion or is a fisheye or a panorama";
 
 /// Pose and lens. Every number is taken as exact.
+///
+/// ```
+/// use halfline::{Camera, Lens, Look};
+///
+/// let lens = Lens::Orthographic { height: 10.0 };
+/// let camera = Camera { eye: [0.0, 0.0, 9.0].into(), look: Look::View([0.0, 0.0, -1.0].into()), up: [0.0, 1.0, 0.0].into(), lens };
+/// let basis = camera.basis()?;
+/// assert_eq!(basis.w.to_array(), [0.0, 0.0, 1.0], "w points against the view");
+/// # Ok::<(), halfline::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
     /// The origin of all viewing rays; orthographic rays start on the plane through it perpendicular to the view.

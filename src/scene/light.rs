@@ -10,6 +10,14 @@ use std::fmt;
 
 /// The lights, shadows, sky and bounces of a scene. The default is the light at the eye alone, which casts no shadow
 /// that the camera sees.
+///
+/// ```
+/// use halfline::{Light, LightSource, Lighting, Sky};
+///
+/// let sun = Light::white(LightSource::Direction([1.0, 2.0, 1.0].into()));
+/// let lighting = Lighting { lights: vec![sun], shadows: true, sky: Some(Sky::default()), ..Lighting::default() };
+/// assert!(lighting.has_light());
+/// ```
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Lighting {
     /// The lights, in the order of the scene file. Without any, and without a sky, the light is at the eye.
