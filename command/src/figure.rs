@@ -77,8 +77,11 @@ pub(super) fn bytes(figure: &Figure, format: VectorFormat, panels: Option<&Panel
 /// A sentence on a figure that is written.
 pub(super) fn words(path: &Path, counts: FigureCounts) -> String {
     let FigureCounts { paths, small, bytes, .. } = counts;
-    let left_out =
-        if small > 0 { format!("; {small} parts are smaller than {DETAIL} and are left out") } else { String::new() };
+    let left_out = match small {
+        0 => String::new(),
+        1 => format!("; 1 part is smaller than {DETAIL} and is left out"),
+        _ => format!("; {small} parts are smaller than {DETAIL} and are left out"),
+    };
     let size = bytes as f64 / 1e3;
     format!("{} has {paths} paths, {size:.0} kB{left_out}", path.display())
 }

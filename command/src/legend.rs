@@ -82,8 +82,8 @@ pub(super) fn hidden(args: &SceneArgs, picture: &PictureScene, ids: &[i32]) -> O
     let hidden: Vec<String> = legend.swatches().filter(is_alone).filter_map(few).collect();
     (!hidden.is_empty()).then(|| {
         format!(
-            "the legend names what hardly any of the {all} pixels of spheres show ({}); another {VIEW}, or {HIDE} or {OPACITY} for \
-             what is in front, shows more",
+            "the legend names what hardly any of the {all} pixels of spheres show ({}); another {VIEW} or {HIDE} for what is in \
+             front shows more, in pixels also {OPACITY}",
             list(hidden)
         )
     })

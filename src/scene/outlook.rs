@@ -32,8 +32,8 @@ impl Outlook {
         let other = if is_best { String::new() } else { format!(", {VIEW} auto looks from where least is hidden") };
         (self.visible_share < HIDDEN).then(|| {
             format!(
-                "{percent} % of {FOCUS} is seen, the rest is behind other spheres; {HIDE}, {CLIP} or {CUT_AT} removes these, {OPACITY} \
-                 shows through them{other}"
+                "{percent} % of {FOCUS} is seen, the rest is behind other spheres; {HIDE}, {CLIP} or {CUT_AT} removes these, in pixels \
+                 {OPACITY} shows through them{other}"
             )
         })
     }

@@ -105,8 +105,8 @@ fn unseen(hidden: &[(&str, &Vec<u32>)], count_of_all: usize) -> Option<String> {
         let name = if count_of_all == 1 { "names" } else { "name" };
         let problem = format!("{some} of {all} {name} what no pixel shows ({})", list(&texts));
         format!(
-            "{problem}: {HIDE} of what is in front, {OPACITY} below 1 for all but what is named, or another {VIEW} may show it; \
-             {MARK_ALL} writes them anyway"
+            "{problem}: {HIDE} of what is in front or another {VIEW} may show it, in pixels also {OPACITY} below 1 for all but what is \
+             named; {MARK_ALL} writes them anyway"
         )
     })
 }
