@@ -14,7 +14,7 @@ use halfline_files::read::{Hold, Periodic, Sequence};
 use serde_json::json;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // The range of a column is that of each frame.
+    // The range of a column is found in each frame.
     let mut options = ReadOptions {
         particles: ParticleOptions { frames: "1-".parse()?, ..Default::default() },
         hold: Hold::None,

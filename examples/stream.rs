@@ -1,5 +1,5 @@
 //! Reads files of spheres block by block, then reads them again and sifts the blocks for a picture; prints the rates of both
-//! and the peak of memory, and plots them. The smallest file comes first, since the peak is that of the process.
+//! and the peak of memory, and plots them. The smallest file comes first, since the peak covers the whole process.
 //!
 //! ```sh
 //! cargo run --release --example stream -- target/streams small.npy huge.npy

@@ -141,7 +141,7 @@ impl<R: Number> Certify<'_, R> {
         projected_answer(s, self.projection, &self.projected(place), self.terms)
     }
 
-    /// The depth in the frame's unit to which the answer of the sphere in a slot is relative: that of its centre, or 0.
+    /// The depth in the frame's unit to which the answer of the sphere in a slot is relative: the depth of its centre, or 0.
     #[inline(always)]
     pub(crate) fn center_depth(&self, slot: u32) -> f64 {
         if slot & GENERAL != 0 { 0.0 } else { self.lists.depths[slot as usize] }

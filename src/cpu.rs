@@ -34,7 +34,7 @@ pub(crate) fn driver() -> String {
     format!("{CPU_DRIVER}, {} threads", parallel::threads())
 }
 
-/// Fills `raw` by `kernel`'s method, all spheres for every ray: those of the window, unless some are given. `go_on` is called
+/// Fills `raw` by `kernel`'s method, all spheres for every ray: the rays of the window, unless some are given. `go_on` is called
 /// before every row; after `false` the remaining rows are left unchanged.
 pub(crate) fn render(
     kernel: &Kernel,
@@ -116,7 +116,7 @@ impl Visit for Frame<'_> {
 struct MethodScene<'a, N> {
     view: &'a View,
     spheres: Vec<Sphere<N>>,
-    /// Given rays; else those of the window.
+    /// Given rays; else the rays of the window.
     rays: Option<&'a [RayRecord]>,
     /// The spheres are moved to the origin of each ray.
     spread: bool,

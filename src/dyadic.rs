@@ -83,7 +83,7 @@ impl Dyadic {
 
     /// self / by with a relative error below 2^-(bits-1); `by` is not 0.
     pub(crate) fn over(&self, by: &Self, bits: usize) -> Self {
-        // The quotient of integers has at least len(self) + shift - len(by) bits, of which the last is truncated.
+        // The quotient of integers has at least len(self) + shift - len(by) bits; the last is truncated.
         let shift = (bits + 1 + by.m.bit_len()).saturating_sub(self.m.bit_len());
         Self { m: (&self.m << shift) / &by.m, e: self.e - by.e - shift as i64 }.truncate(bits + 1)
     }

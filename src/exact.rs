@@ -117,8 +117,8 @@ impl Judge {
         self.with_depth([i, j], self.bench.nearest(&self.ray(i, j)?, candidates.iter().copied(), f64::INFINITY)?)
     }
 
-    /// Whether each of `lights` is hidden from the nearest hit of the ray through the centre of row `i`, column `j`: by the
-    /// sphere of the hit itself or by another one between, of which only what planes keep counts. `None` where the ray hits nothing. All
+    /// Whether each of `lights` is hidden from the nearest hit of the ray through the centre of row `i`, column `j`. The
+    /// sphere of the hit or another one between hides it; only the parts that planes keep count. `None` where the ray hits nothing. All
     /// numbers are exact, so a ray that grazes its own or another surface is hidden, and no epsilon moves it off its surface.
     pub fn hidden(&self, i: u32, j: u32, lights: &[Toward]) -> Option<Vec<bool>> {
         self.bench.hidden(&self.ray(i, j)?, lights)

@@ -59,7 +59,7 @@ macro_rules! variants {
                 match self { $(Self::$name => Form::$form,)* }
             }
 
-            /// Cost of its kernel, as a multiple of that of `stable`.
+            /// Cost of its kernel, as a multiple of the cost of `stable`.
             pub(crate) fn cost(self) -> f64 {
                 match self { $(Self::$name => $cost,)* }
             }

@@ -171,7 +171,7 @@ impl Kernel {
         self.task == Task::Given
     }
 
-    /// Whether its rays are those of pixels.
+    /// Whether its rays are the rays of pixels.
     pub(crate) fn has_pixels(&self) -> bool {
         self.is_certified() || matches!(self.task, Task::Method { rays: RaySource::Camera, .. })
     }

@@ -30,7 +30,7 @@ impl<R> Mask<R> for bool {
     }
 }
 
-/// The numbers that the forms compute with: a [`Number`], or a vector of them, each of which is rounded as if alone.
+/// The numbers that the forms compute with: a [`Number`], or a vector of them, each rounded as if alone.
 pub trait Arithmetic:
     Copy
     + Add<Output = Self>

@@ -86,11 +86,11 @@ pub struct Settings {
     /// The buffers of the frame; ids are always computed.
     pub aovs: Vec<Aov>,
     /// Samples per pixel whose mean is the colour and the alpha, rounded up to the next square n x n: one point in each
-    /// of n x n equal squares of the pixel. 0 and 1 use the pixel's centre. All other buffers are those of the centre.
+    /// of n x n equal squares of the pixel. 0 and 1 use the pixel's centre. All other buffers use the centre.
     pub samples: u32,
     /// Whether the frame counts the samples of each pixel that show each sphere. The scene then has opaque spheres only.
     pub coverage: bool,
-    /// A lens with a size, for colour and alpha; `None` for a pinhole. It needs several samples, each of which leaves from
+    /// A lens with a size, for colour and alpha; `None` for a pinhole. It needs several samples, and each leaves from
     /// another point of it.
     pub aperture: Option<Aperture>,
     /// Layers of translucent spheres in the picture: the nearest hits of each ray before the first opaque one, composed over it in
@@ -135,7 +135,7 @@ impl Settings {
         self.tolerance.unwrap_or_default()
     }
 
-    /// The sky whose open share is computed: that of the buffer `occlusion` where it is requested, else the scene's for the
+    /// The sky whose open share is computed: the sky of the buffer `occlusion` where it is requested, else the scene's for the
     /// colour.
     #[must_use]
     pub fn sky(&self, scene: &Scene) -> Option<Sky> {
@@ -143,7 +143,7 @@ impl Settings {
         requested.or(scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color)))
     }
 
-    /// The sky of the buffer `occlusion`: the scene's, else that of the settings. A sky at the centres of pixels is of the
+    /// The sky of the buffer `occlusion`: the scene's, else the settings'. A sky at the centres of pixels is of the
     /// picture alone.
     pub(crate) fn buffer_sky(&self, scene: &Scene) -> Sky {
         scene.lighting.sky.filter(|sky| !sky.at_centers).unwrap_or(self.sky)

@@ -64,7 +64,7 @@ pub struct View {
     pub pitch: [f64; 3],
     /// Whether the viewing rays are parallel.
     pub parallel: bool,
-    /// The viewport of the whole frame, of which the record has the size; `None` for given rays and for a curved lens.
+    /// The viewport of the whole frame, whose size the record has; `None` for given rays and for a curved lens.
     pub(crate) viewport: Option<ExactViewport>,
     /// The viewing rays of a curved lens.
     pub(crate) curved: Option<CurvedView>,
@@ -243,8 +243,8 @@ impl View {
         self.residuals = parallel::from_fn(spheres.len(), residuals);
     }
 
-    /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's;
-    /// (0, 0, -1) for parallel rays; that of a curved lens's model, or zero where it has none.
+    /// The viewing direction (u, v, -d) of row i and column j of the record's frame in f64, scaled like the record's.
+    /// Parallel rays have (0, 0, -1), a curved lens the direction of its model, or zero where it has none.
     pub(crate) fn direction(&self, i: u32, j: u32) -> [f64; 3] {
         match &self.curved {
             Some(curved) => curved.direction(&self.record, [i, j]),

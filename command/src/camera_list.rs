@@ -63,11 +63,11 @@ impl CameraListArgs {
         Ok(self.listed()?.and_then(|listed| listed.get(index)?.aperture))
     }
 
-    /// Gives a scene camera `number` of the list, from 1; `intrinsics` or `vfov` where it has no lens. Its size is that of the option, of the list,
-    /// or of the scene.
+    /// Gives a scene camera `number` of the list, from 1; `intrinsics` or `vfov` where it has no lens. Its size comes from the option, the list
+    /// or the scene.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a camera without a lens, and those of [`ListedLens::for_image`](cameras::ListedLens::for_image).
+    /// [`Error::Settings`] for a camera without a lens, and errors of [`ListedLens::for_image`](cameras::ListedLens::for_image).
     pub(super) fn apply(
         &self,
         number: u64,

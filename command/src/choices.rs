@@ -41,7 +41,7 @@ pub struct Choices {
     args: SceneArgs,
 }
 
-/// A scene of another program, of which a picture is made.
+/// A scene of another program, from which a picture is made.
 pub struct ChosenScene<'a> {
     /// The spheres, with the size and the camera of the picture; without a camera of its own it shows all spheres.
     pub frame: SceneFrame,
@@ -110,7 +110,7 @@ struct Known {
 const KEPT: usize = 256;
 
 impl Choices {
-    /// The choices of these options. Those of an earlier call are not parsed again.
+    /// The choices of these options. Options of an earlier call are not parsed again.
     ///
     /// # Errors
     /// [`Error::Settings`](halfline::error::Error::Settings) that names the option, its value and what it takes.
@@ -214,7 +214,7 @@ impl Choices {
     /// The figure without pixels of a scene; the options name its file.
     ///
     /// # Errors
-    /// Those of [`Self::picture`], and of what a figure cannot show.
+    /// Errors of [`Self::picture`], and of what a figure cannot show.
     pub fn figure(&self, scene: ChosenScene<'_>) -> Result<ChosenFigure> {
         figure::check(&self.args)?;
         let picture = self.picture(scene, &[], Backend::Cpu)?;

@@ -1,6 +1,6 @@
 //! Failed memory allocations end the process with the exit code for limits instead of a crash.
 //!
-//! Large requests are checked beforehand and refused with numbers. Small requests and those of dependencies remain: for
+//! Large requests are checked beforehand and refused with numbers. Small requests and requests of dependencies remain: for
 //! them the standard library prints the number of bytes and aborts. A limit of the process (`ulimit -v`) or of the
 //! system is not a fault of the program, so this abort becomes exit code 5; any other abort stays one.
 
@@ -33,7 +33,7 @@ fn noted(memory: *mut u8) -> *mut u8 {
     unsafe_code,
     reason = "there is no safe way to detect failed requests; every call is passed to the system unchanged"
 )]
-// SAFETY: the requirements of each method are those of the same method of `System`, which receives the same arguments.
+// SAFETY: each method has the requirements of the same method of `System`, which receives the same arguments.
 unsafe impl GlobalAlloc for Noting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         noted(unsafe { System.alloc(layout) })

@@ -270,7 +270,7 @@ const FILMS: [&str; 12] = ["apng", "avi", "flv", "m4v", "mkv", "mov", "mpeg", "m
 const MODELS: [&str; 14] =
     ["3mf", "blend", "dae", "fbx", "gltf", "obj", "ply", "stl", "usd", "usda", "usdc", "usdz", "wrl", "x3d"];
 
-/// The error for a picture's file name, with the endings of what is no picture; first those of its kind.
+/// The error for a picture's file name, with the endings of what is no picture; endings of its kind come first.
 fn with_others(path: &Path, error: Error) -> Error {
     let Error::Settings { problem, mend } = error else { return error };
     let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or_default().to_ascii_lowercase();

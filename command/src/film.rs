@@ -50,7 +50,7 @@ impl FilmKind {
     }
 
     /// The arguments of ffmpeg that choose the encoding. H.264 with colours at half the resolution plays everywhere,
-    /// and needs even sides; its colours are those of BT.709, and the file says so. A GIF has a palette per picture,
+    /// and needs even sides; its colours are BT.709, and the file says so. A GIF has a palette per picture,
     /// because one for all would keep every picture in memory until the last.
     fn encoding(self) -> Vec<&'static str> {
         match self {
@@ -83,7 +83,7 @@ impl FilmKind {
 }
 
 impl<'a> Film<'a> {
-    /// The film at `path`, if its extension is that of one.
+    /// The film at `path`, if it has the extension of a film.
     pub(super) fn of(path: &'a Path, fps: f64) -> Option<Self> {
         Some(Self { path, kind: FilmKind::of(path)?, fps })
     }

@@ -145,7 +145,7 @@ pub(super) fn none_selected(option: &str, text: &str, notes: &[String], count: u
 /// are what a legend takes of the width at the left and at the right. Returns how the scene is framed, if it is.
 ///
 /// # Errors
-/// [`Error::Settings`] for a selection without spheres, and those of [`Camera::fit`].
+/// [`Error::Settings`] for a selection without spheres, and errors of [`Camera::fit`].
 pub(super) fn point(options: &CameraArgs, frame: &mut SceneFrame, legend_shares: [f64; 2]) -> Result<Option<Framing>> {
     options.apply_lens(&mut frame.scene.camera, frame.scene.image)?;
     let at = options.at(frame)?;
@@ -198,7 +198,7 @@ pub(super) fn hidden_when_cut(options: &CameraArgs, frame: &SceneFrame) -> Resul
 /// The rows of a picture of `width` columns that the framed spheres fill; a camera that is not framed keeps the shape of its file.
 ///
 /// # Errors
-/// As [`point`], and those of `legend_shares`.
+/// Errors of [`point`] and of `legend_shares`.
 pub(super) fn filled_height(
     options: &CameraArgs,
     frame: &mut SceneFrame,

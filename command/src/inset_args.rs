@@ -184,7 +184,7 @@ fn values(file: Option<String>, picture: &PictureScene) -> LabelValues {
 }
 
 /// The words of a command line in which the name of a corner behind `--legend-in` and a blank is joined to it by `=`, up
-/// to `--`. For an option with an optional value clap would take any next word, also that of the scene file.
+/// to `--`. For an option with an optional value clap would take any next word, also the name of the scene file.
 pub(super) fn joined(words: impl Iterator<Item = OsString>) -> Vec<OsString> {
     let (mut all, mut ended): (Vec<OsString>, bool) = (Vec::new(), false);
     for word in words {

@@ -54,7 +54,7 @@ impl LensArgs {
         self.aperture.is_some() || self.focus_distance.is_some()
     }
 
-    /// Whether the angle of a lens with `--lens` is not that of a perspective one.
+    /// Whether the angle is of a lens with `--lens`, not of a perspective lens.
     pub(super) fn is_named(&self) -> bool {
         self.lens.is_some()
     }
@@ -71,11 +71,11 @@ impl LensArgs {
         lens.map(Some).map_err(|(_, problem, mend)| Error::settings(format!("{LENS} {}: {problem}", name.name()), mend))
     }
 
-    /// The lens for a frame whose camera is final but for turns, with that of a picture whose camera was taken;
+    /// The lens for a frame whose camera is final but for turns, with the lens of a picture whose camera was taken;
     /// `has_samples` says whether options or the file ask for samples.
     ///
     /// # Errors
-    /// [`Error::Settings`] for a focus without an aperture and an aperture of a curved lens, and those of [`Aperture::distance`].
+    /// [`Error::Settings`] for a focus without an aperture and an aperture of a curved lens, and errors of [`Aperture::distance`].
     pub(super) fn lens(&self, frame: &SceneFrame, taken: Option<Aperture>, has_samples: bool) -> Result<PictureLens> {
         let given = taken.or(frame.aperture);
         let Some(diameter) = self.aperture.or(given.map(|lens| lens.diameter)) else {

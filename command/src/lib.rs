@@ -132,7 +132,7 @@ enum Command {
     Man(shell::Man),
 }
 
-/// Runs the command with these arguments, the first of which is its name, and prints at most one error; the exit code.
+/// Runs the command with these arguments, beginning with its name, and prints at most one error; the exit code.
 pub fn command(given: impl Iterator<Item = OsString>) -> u8 {
     process::start(given);
     if standard::output_is_closed() {

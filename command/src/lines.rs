@@ -1,4 +1,4 @@
-//! Progress for programs: lines of JSON on standard error, or those of Open Job Description on standard output
+//! Progress for programs: lines of JSON on standard error, or lines of Open Job Description on standard output
 //! (<https://github.com/OpenJobDescription/openjd-specifications/wiki/How-Jobs-Are-Run>).
 
 use super::tally::Tally;

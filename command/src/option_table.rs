@@ -45,7 +45,7 @@ pub enum Call {
     Read,
     /// `Renderer.render`.
     Render,
-    /// `Sieve`, which takes those of a rendering on which a part depends.
+    /// `Sieve`, which takes the options of a rendering on which a part depends.
     Sieve,
     /// `Renderer`.
     Renderer,
@@ -53,7 +53,7 @@ pub enum Call {
     Camera,
     /// `Frame.save`.
     Save,
-    /// `Scene.vector`, which takes those of a rendering too.
+    /// `Scene.vector`, which takes the options of a rendering too.
     Vector,
 }
 

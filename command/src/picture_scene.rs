@@ -34,7 +34,7 @@ pub(super) struct PictureScene {
 }
 
 impl PictureScene {
-    /// A single picture, of which nothing else is known yet.
+    /// A single picture, with nothing else known of it yet.
     pub(super) fn bare(scene: Scene, look: PictureLook) -> Self {
         Self {
             number: 1,

@@ -44,7 +44,7 @@ Examples:
   halfline plan scenes/weekend.toml -o weekend.png --tolerance 1e-3 --json
   halfline plan scenes/weekend.toml --aov depth=z.npy --wgsl";
 
-/// The command line in which a plan without an output is that of a picture, as people mean it.
+/// The command line in which a plan without an output is the plan of a picture, as people mean it.
 pub(super) fn of_a_picture(command: Command) -> Command {
     let assumed =
         |output: Arg| output.default_value("out.png").default_value_if("aov", ArgPredicate::IsPresent, None::<&str>);

@@ -309,7 +309,7 @@ impl<T: Copy> Rule<T> {
     }
 
     /// Parses also `EXPR=VALUE:CAPTION`, whose caption is the name of the selection in a legend. A colon of an expression is in front of
-    /// its value, so the first one that ends a rule is that of the caption.
+    /// its value, so the first colon that ends a rule begins the caption.
     fn captioned(text: &str, value: impl Fn(&str) -> Result<T, String>) -> Result<Self, String> {
         let whole = Self::parse(text, &value);
         let rule = |(at, _): (usize, &str)| Some((Self::parse(&text[..at], &value).ok()?, &text[at + 1..]));
@@ -390,7 +390,7 @@ fn range(text: &str) -> Result<[RangeEnd; 2], String> {
     ends.filter(|[low, high]| low != high).ok_or_else(|| expected.into())
 }
 
-/// Refuses a range of two words, of which clap would take the second one for a file.
+/// Refuses a range of two words: clap would take the second word for a file.
 ///
 /// # Errors
 /// [`Error::Settings`] with the words as they are meant.

@@ -181,7 +181,7 @@ impl Render {
         let cancel = Cancel::default();
         let open = || self.first(&settings, &targets, &cancel);
         let (opened, renderer) = threads::both(open, || Renderer::new(&settings));
-        // Errors of the scene are reported before those of the adapter.
+        // Errors of the scene are reported before errors of the adapter.
         let ((frames, first), renderer) = (opened?, renderer?);
         let bar = Bar::with_output(self.progress.progress, self.repeat.get().saturating_mul(self.args.expected()));
         note_fallback(&renderer);
@@ -189,7 +189,7 @@ impl Render {
             first.as_ref().map_or(Concurrency::Alone, |first| self.concurrency(first, &targets, renderer.is_gpu()));
         let mut renderers = vec![renderer.watched_by(bar.watch())];
         while renderers.len() < concurrency.lanes() {
-            // Progress is that of the first.
+            // Progress is shown for the first renderer.
             renderers.push(renderers[0].another().watched_by(watch()));
         }
         let messages = Messages::new(Some(&bar));

@@ -265,7 +265,7 @@ impl SceneArgs {
         Some(self.image.size?.pixels(self.dpi().unwrap_or(Dpi::OF_PRINT)))
     }
 
-    /// The resolution of pictures: that of a size on paper has a default.
+    /// The resolution of pictures; for a size on paper it has a default.
     pub(super) fn dpi(&self) -> Option<Dpi> {
         self.files.dpi.or(self.image.size.filter(|size| size.is_printed()).map(|_| Dpi::OF_PRINT))
     }
@@ -311,7 +311,7 @@ impl SceneArgs {
         Ok(tile.transpose()?.or(self.image.crop))
     }
 
-    /// Checks that a size is that of the parts, unless it is a preference, and that their spheres keep theirs.
+    /// Checks that a size is the size of the parts, unless it is a preference, and that their spheres keep theirs.
     ///
     /// # Errors
     /// [`Error::Settings`] with both sizes, and for a least size.

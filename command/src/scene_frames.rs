@@ -167,7 +167,7 @@ impl<'a> SceneFrames<'a> {
     }
 }
 
-/// Opens the scene file with the options for reading, for its frames from `from` on, or else for those of `--frames`.
+/// Opens the scene file with the options for reading, for its frames from `from` on, or else for the frames of `--frames`.
 /// Returns also the camera and the middle of the spheres that all frames share under `--hold all`.
 ///
 /// # Errors
@@ -194,7 +194,7 @@ pub(super) fn sequence(
     Ok((Sequence::open(args.path(), &options)?, fixed))
 }
 
-/// The picture of a frame that was arranged, with its size and a camera: that of `record`, or `fixed` of all frames, or by the
+/// The picture of a frame that was arranged, with its size and a camera: the camera of `record`, or `fixed` of all frames, or by the
 /// options.
 ///
 /// # Errors
@@ -411,7 +411,7 @@ pub(super) fn size(size: Option<(u32, u32)>, args: &SceneArgs, frame: &mut Scene
 pub(super) fn arrange(read: &ReadArgs, frame: &mut SceneFrame) -> Result<()> {
     let arrangement = read.arrangement();
     frame.arrange(&arrangement, &watch())?;
-    // What is looked at is that of the file itself, as far as it is drawn, not its copies.
+    // The spheres that are looked at are in the file itself, as far as it is drawn, not in its copies.
     let clip = Arrangement { clip: arrangement.clip, ..Arrangement::default() };
     frame.marks.iter_mut().try_for_each(|mark| clip.apply(&mut mark.spheres, None, &watch()))
 }

@@ -35,7 +35,7 @@ pub(super) fn listen() {
         let _ = register(signal, &INTERRUPTED);
     }
     // The default action of SIGXFSZ ends the process in the middle of a write beyond `ulimit -f`. With any handler the
-    // write fails, and the failure is reported like that of a full disk.
+    // write fails, and the failure is reported like a full disk.
     #[cfg(unix)]
     {
         static BEYOND_FILE_SIZE: AtomicBool = AtomicBool::new(false);

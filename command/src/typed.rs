@@ -1,4 +1,4 @@
-//! The options that words give, beside those of the environment and of the configuration file.
+//! The options that words give, beside options of the environment and of the configuration file.
 
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, Command, Error, FromArgMatches};

@@ -23,7 +23,7 @@ use halfline_files::write::file::Target;
 /// The picture of all spheres of the parts.
 ///
 /// # Errors
-/// [`Error::Settings`] for options that are those of the parts, and parts that are not of one frame; those of reading.
+/// [`Error::Settings`] for options that the parts fix, and parts that are not of one frame; errors of reading.
 pub(super) fn picture(args: &SceneArgs, settings: &Settings, targets: &[Target]) -> Result<PictureScene> {
     check_inputs(targets.iter().map(Target::path), &args.visible)?;
     targets.iter().try_for_each(Target::check)?;

@@ -1,5 +1,5 @@
 //! Figures without pixels: the visible part of every sphere as closed lines of arcs, sharp at any size. The outlines of spheres, the
-//! circles in which two cross and those in which planes cut them are ellipses under a camera in front of which all spheres lie, so every line
+//! circles in which two cross and the circles in which planes cut them are ellipses where all spheres lie in front of the camera. So every line
 //! is an arc of an ellipse, or straight.
 
 mod cells;
@@ -67,7 +67,7 @@ impl Default for FigureStyle {
 
 /// The names of the spheres of a figure: values of columns.
 pub struct FigureNames<'a> {
-    /// The names of the columns, of which the first `groups` have groups of paths.
+    /// The names of the columns; the first `groups` columns have groups of paths.
     pub columns: Vec<String>,
     /// The number of columns whose values together are a group of paths.
     pub groups: usize,
@@ -120,7 +120,7 @@ impl Figure {
         let groups: Option<Vec<Vec<String>>> = names.filter(|names| names.groups > 0).map(|names| {
             ids.iter().map(|id| (0..names.groups).map(|column| (names.value)(column, *id)).collect()).collect()
         });
-        // Parts of one colour in one group are one path; a gradient is that of one sphere.
+        // Parts of one colour in one group are one path; a gradient belongs to one sphere.
         let is_merged = groups.is_some() && style.shade == Shade::Flat;
         let mut known: HashMap<(&[String], [u8; 3]), Surface> = HashMap::new();
         let mut keys: HashMap<Surface, Surface> = HashMap::new();

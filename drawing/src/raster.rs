@@ -171,7 +171,7 @@ fn polyline(points: &[BackendCoord], closed: bool) -> Option<Path> {
     path.finish()
 }
 
-/// The fonts of a page, of which each reader loads a copy, have the letters of Europe and the signs of physics: fonts/make.
+/// The fonts of a page, loaded by each reader, have the letters of Europe and the signs of physics: fonts/make.
 #[cfg(target_arch = "wasm32")]
 mod sans {
     pub(super) fn regular() -> &'static [u8] {
@@ -241,7 +241,7 @@ pub(super) fn glyphs(text: &str, bold: bool) -> Vec<Glyph> {
 
 /// The letters of a text that the font has no outline for, which are drawn as empty boxes.
 pub(super) fn missing(text: &str, bold: bool) -> impl Iterator<Item = char> {
-    // Glyph 0 is that of every unknown letter.
+    // Glyph 0 stands for every unknown letter.
     text.chars().filter(move |letter| face(bold).font.glyph_id(*letter) == GlyphId(0))
 }
 

@@ -1,4 +1,4 @@
-//! Answers of the device beside those of the CPU path.
+//! Answers of the device beside answers of the CPU path.
 
 use super::Result;
 use super::cloud::cloud;
@@ -7,8 +7,8 @@ use halfline::frame::{Data, Frame};
 use halfline::{Aov, Backend, Method, Renderer, Settings};
 use serde_json::{Map, Value, json};
 
-/// The largest differences of two certified frames: each is within 1e-5 of the true distance and within 1e-3 of the true normal, of
-/// which colours are made. Ids, masks and shares of the sky have no tolerance.
+/// The largest differences of two certified frames: each is within 1e-5 of the true distance and within 1e-3 of the true normal.
+/// Colours are made of normals. Ids, masks and shares of the sky have no tolerance.
 const DISTANCE: f64 = 2e-5;
 const NORMAL: f64 = 2e-3;
 /// The share of colours that may differ by more: where a comparison decides, of depths for a line or of a neighbour's rays.

@@ -67,7 +67,7 @@ impl Times {
         }
     }
 
-    /// Adds those of another renderer.
+    /// Adds the times of another renderer.
     pub(crate) fn join(&mut self, other: Self) {
         self.0.iter_mut().zip(other.0).for_each(|(times, more)| times.extend(more));
     }

@@ -1,6 +1,6 @@
 //! Parts of a scene in files: an .npz of plain NumPy arrays. `centers` (n, 3) and `radii` (n) in float64, `id` (n) in int64, in
-//! increasing order, `colors` (n, 3) and `opacities` (n) in float32 where the spheres have any, and `about`, the bytes of a JSON text: the rays that the
-//! part is made for, and of which spheres. Equal parts have equal bytes.
+//! increasing order, `colors` (n, 3) and `opacities` (n) in float32 where the spheres have any, and `about`. `about` is the bytes of a
+//! JSON text: the rays and the spheres that the part is made for. Equal parts have equal bytes.
 
 use crate::write::atomic::write_atomically;
 use crate::write::npz::{self, write_archive};

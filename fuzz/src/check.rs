@@ -27,7 +27,7 @@ pub(crate) const PER_BYTE_OF_TOML: usize = 1500;
 pub(crate) const IMAGES: usize = 192;
 pub(crate) const PER_BYTE_OF_CRYSTAL: usize = 256 * IMAGES / 3;
 
-/// Seconds per file, and per byte of it: a million times those of a plain reader, on a machine with other load.
+/// Seconds per file, and per byte of it: a million times the seconds of a plain reader, on a machine with other load.
 const SECONDS: f64 = 1.0;
 const PER_BYTE_SECONDS: f64 = 1e-4;
 

@@ -34,7 +34,7 @@ enum Kind {
 }
 
 impl Target {
-    /// All of them. A target's name is that of its corpus.
+    /// All of them. A target has the name of its corpus.
     pub(crate) fn all() -> Vec<Self> {
         let scene = |format: &Format| Self { name: format.name(), kind: Kind::Scene(Some(*format)) };
         let other = |name, run| Self { name, kind: Kind::Other(run) };

@@ -39,7 +39,7 @@ fn check_info(format: Option<Format>, content: &[u8]) {
     let rendered = Sequence::from_reader(bytes(), path, &options).and_then(|mut sequence| sequence.next_scene());
     match (info_from_reader(bytes(), path, &options), rendered) {
         (Ok(info), Ok(Some(frame))) => assert_eq!(info.spheres, frame.scene.spheres.len() as u64),
-        // Another error may be that of a column, of which a rendering reads few.
+        // Another error may come from a column; a rendering reads few columns.
         (Err(error), Err(_)) => drop(check_error(&error)),
         // A file without a frame is refused by the command.
         (Err(error), Ok(None)) => drop(check_error(&error)),

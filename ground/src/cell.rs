@@ -32,7 +32,7 @@ impl Cell {
             return apart;
         }
         let near = apart - edges * (inverse * apart).round();
-        // A vector of at most this length has parts of at most length / height along an edge, and those of `near` are at
+        // A vector of at most this length has parts of at most length / height along an edge, and the parts of `near` are at
         // most a half.
         let most = |k: usize| (near.length() * inverse.row(k).length() + 0.5).floor().min(MAX_SHIFTS) as i32;
         let [a, b, c] = [0, 1, 2].map(|k| -most(k)..=most(k));

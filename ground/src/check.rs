@@ -1,4 +1,4 @@
-//! Checks of the numbers of spheres, for every reader and for scenes in memory; lists of which some values are kept.
+//! Checks of the numbers of spheres, for every reader and for scenes in memory; lists reduced to some of their values.
 
 use crate::error::{Error, Place, Result};
 

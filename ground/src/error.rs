@@ -110,7 +110,7 @@ impl Error {
     }
 }
 
-/// A place in a scene: file, line, column, field, each of which may be absent. Lines and columns count from 1.
+/// A place in a scene: file, line, column, field; each may be absent. Lines and columns count from 1.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Place {
     /// The file's name as the user gave it; `None` for a scene made in memory.

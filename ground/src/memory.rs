@@ -53,7 +53,7 @@ impl Pool {
         spares.swap_remove(place).vector.downcast().map_or_else(|_| Vec::new(), |vector| *vector)
     }
 
-    /// A vector of `n` values, all of which the caller overwrites; new ones are zeros, which the system provides when a
+    /// A vector of `n` values; the caller overwrites all of them. New ones are zeros, which the system provides when a
     /// thread first writes them.
     ///
     /// # Errors
@@ -73,7 +73,7 @@ impl Pool {
         Ok(vector)
     }
 
-    /// The same for lists of candidates, where an allocation that fails ends the process as that of any vector does.
+    /// The same for lists of candidates, where a failed allocation ends the process, as it does for any vector.
     pub fn sized<T: Zeroable + Send + 'static>(&self, n: usize) -> Vec<T> {
         let mut vector = self.take(n);
         if vector.is_empty() {

@@ -287,7 +287,7 @@ pub fn all<A: Sync>(items: &[A], is: impl Fn(&A) -> bool + Sync) -> bool {
 mod tests {
     use super::*;
 
-    /// Lengths around those of blocks.
+    /// Lengths around the lengths of blocks.
     const CASES: [(usize, usize); 9] = [(0, 1), (1, 1), (1, 4), (3, 4), (4, 4), (5, 4), (17, 4), (1000, 7), (5, 0)];
 
     fn with_threads(test: impl Fn() + Sync + Send) {

@@ -27,7 +27,7 @@ pub struct MatchedBuffers<'a> {
 }
 
 impl<'a> MatchedBuffers<'a> {
-    /// Matches the buffers of two files: those of the same name, or those in `requested`. If each file has a single
+    /// Matches the buffers of two files: buffers of the same name, or the buffers in `requested`. If each file has a single
     /// buffer, they are matched whatever their names.
     ///
     /// # Errors

@@ -1,8 +1,8 @@
 //! The measurement: methods alternate on the same scenes, and their errors are computed with exact arithmetic.
 //!
 //! For each scene every method renders a first frame, then one more per round, so that other load on a shared machine
-//! affects all methods alike. A frame contains typical buffers: colour, ids, distance and normal. The errors are those
-//! of the first frame. The bounds of certified answers are checked with one more frame, which is not timed.
+//! affects all methods alike. A frame contains typical buffers: colour, ids, distance and normal. The errors are found
+//! in the first frame. The bounds of certified answers are checked with one more frame, which is not timed.
 
 use super::record::{PlaceRecord, Record, Run, SceneRecord, units};
 use super::score::{Score, Truths, one_eye};
@@ -74,7 +74,7 @@ impl Default for Options {
 ///
 /// # Errors
 /// [`Error::Interrupted`] after a cancellation, [`Error::Settings`] for an orthographic camera, which the methods do
-/// not support, and those of [`Renderer::render`]. A method that the adapter refuses is part of the record, unless all
+/// not support, and errors of [`Renderer::render`]. A method that the adapter refuses is part of the record, unless all
 /// are refused.
 pub fn measure(subject: &Subject, options: &Options, watch: &Watch, say: &mut dyn FnMut(&str)) -> Result<Record> {
     for scene in subject.cases.iter().flat_map(|case| &case.scenes) {

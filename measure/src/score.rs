@@ -131,7 +131,7 @@ impl<'a> Truths<'a> {
     /// The same; `watch` is checked before every row.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] after a cancellation, else those of [`Truths::of`].
+    /// [`Error::Interrupted`] after a cancellation, else errors of [`Truths::of`].
     pub fn watched(scene: &'a Scene, watch: &Watch) -> Result<Self> {
         let judge = Judge::new(scene)?;
         let (width, height) = (scene.image.width, scene.image.height);
@@ -273,7 +273,7 @@ pub(super) fn one_eye(scene: &Scene) -> Result<()> {
 /// The right sphere: its root and its error.
 fn hit(truth: &ExactAnswer, radius: f64, distance: f64, normal: [f64; 3]) -> Pixel {
     let relative = off(distance, truth.distance);
-    // t* / 2^e is its significand, of which f32 has 23 bits after the point.
+    // t* / 2^e is its significand; f32 has 23 bits after the point.
     let ulps = relative * (truth.t / 2f64.powi(halfline::number::exponent(truth.t))) * f64::from(1u32 << 23);
     // Where f32 cannot distinguish the roots, the right one may round towards the other.
     let is_other_root = ulps > 1.0 && (distance - truth.other).abs() < (distance - truth.distance).abs();
@@ -304,7 +304,7 @@ fn degrees(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Score {
-    /// Adds the pixels of another picture. The map is that of the first one.
+    /// Adds the pixels of another picture. The map is the first picture's.
     pub fn add(&mut self, other: Self) {
         self.pixels.extend(other.pixels);
     }

@@ -28,7 +28,7 @@ pub(super) struct SceneGroup {
 }
 
 impl Subject {
-    /// One scene, without its lights and its sky: they are the same for every method. `warnings` are those of its reader.
+    /// One scene, without its lights and its sky: they are the same for every method. `warnings` come from its reader.
     #[must_use]
     pub fn scene(name: impl Into<String>, scene: Scene, warnings: Vec<String>) -> Self {
         let (name, scenes) = (name.into(), vec![Scene { lighting: Default::default(), ..scene }]);

@@ -129,7 +129,7 @@ pub fn answer(ticket: u32) -> Option<Answer> {
 }
 
 /// The buffers of a view of the content's first frame, for scripts: the ids as i32, the depths as f64 and the certainty as u8 of all
-/// pixels, one list after the other; about them the report. `request` is that of a frame.
+/// pixels, one list after the other; about them the report. `request` is a request for a frame.
 #[wasm_bindgen(jspi)]
 pub fn buffers(content: Vec<u8>, request: String, backend: String) -> Result<Answer, JsError> {
     let content =

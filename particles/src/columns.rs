@@ -129,7 +129,7 @@ impl Columns {
         self.list.is_empty()
     }
 
-    /// The names: those of the file in lower case, `element`, and `index` for the number in the file from 0.
+    /// The names: the file's names in lower case, `element`, and `index` for the number in the file from 0.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.list.iter().map(|(name, _)| name.as_str())
     }
@@ -171,7 +171,7 @@ impl Columns {
     }
 
     /// The spheres that a selection selects, as flags, and the messages about it. These are the columns of the spheres with these centres and radii;
-    /// `radius` is that of the sphere, and beads of a cell have no values.
+    /// `radius` is the radius of the sphere, and beads of a cell have no values.
     ///
     /// # Errors
     /// [`Error::Settings`] for a selection that these columns do not fit, also for a column that was not kept;

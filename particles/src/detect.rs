@@ -76,7 +76,7 @@ pub(super) fn is_foreign(start: &[u8]) -> bool {
     foreign::of_content(start, &text.lines().take(64).collect::<Vec<_>>()).is_some()
 }
 
-/// Detects the format by the beginning of a file, which may be that of the format `named`.
+/// Detects the format by the beginning of a file, which may have the format `named`.
 fn of_content(start: &[u8], named: Option<Format>) -> Option<Format> {
     let found = |is_of: &dyn Fn(&Sign) -> bool| Format::ALL.into_iter().find(|format| format.0.signs.iter().any(is_of));
     if let Some(format) = found(&|sign| matches!(sign, Sign::Bytes(is_of) if is_of(start))) {

@@ -217,7 +217,7 @@ fn is_gromos(_: &[u8], lines: &[&str]) -> bool {
     lines.next() == Some("TITLE") && lines.next() != Some("END")
 }
 
-/// An archive whose first file has another ending than that of an array.
+/// An archive whose first file has another ending than an array.
 pub(super) fn is_zip(bytes: &[u8], _: &[&str]) -> bool {
     let length = bytes.get(26..28).map_or(0, |bytes| usize::from(bytes[0]) | usize::from(bytes[1]) << 8);
     let name = bytes.get(30..30 + length).unwrap_or_default();

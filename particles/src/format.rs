@@ -51,7 +51,7 @@ pub(crate) enum Sign {
 /// A property of the files of a format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Has {
-    /// Atoms of molecules; those of trajectories are, with the elements of a topology.
+    /// Atoms of molecules; trajectories have them with the elements of a topology.
     Molecules,
     /// Rows, one after the other, which are read in blocks.
     Blocks,
@@ -135,7 +135,7 @@ impl Format {
         std::iter::once(self.0.name).chain(self.0.endings.iter().copied())
     }
 
-    /// Whether its files are of atoms of molecules; those of trajectories are, with the elements of a topology.
+    /// Whether its files are of atoms of molecules; files of trajectories are, with the elements of a topology.
     #[must_use]
     pub fn is_of_molecules(self) -> bool {
         self.has(Has::Molecules)

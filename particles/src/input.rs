@@ -92,7 +92,7 @@ pub fn read_once(path: &Path) -> Option<&'static str> {
 
 /// An opened file, pipe or standard input.
 pub struct Input {
-    /// Bytes that were looked at, which are delivered before those of the reader.
+    /// Bytes that were looked at, delivered before the bytes of the reader.
     ahead: Cursor<Vec<u8>>,
     reader: Box<dyn BufRead + Send>,
     gauge: Gauge,
@@ -204,7 +204,7 @@ impl Input {
         Ok(start)
     }
 
-    /// The next bytes: those ahead, else those of the reader.
+    /// The next bytes: from `ahead`, else from the reader.
     fn source(&mut self) -> &mut (dyn BufRead + Send) {
         let is_ahead = self.ahead.position() < self.ahead.get_ref().len() as u64;
         if is_ahead { &mut self.ahead } else { &mut *self.reader }

@@ -295,7 +295,7 @@ impl<R: BufRead> Lines<R> {
 
     /// Line and column of a byte of this line.
     pub fn spot(&self, byte: usize) -> Spot {
-        // The number is that of the last line of a record.
+        // `self.number` is the number of the last line of a record.
         let behind = self.text.get(byte..).map_or(0, |rest| rest.matches('\n').count() as u64);
         Spot { line: self.number.saturating_sub(behind), column: column(&self.text, byte) }
     }

@@ -96,7 +96,7 @@ pub(super) fn near(points: &[[f64; 3]], chosen: &[bool], reach: f64) -> Result<V
     Ok(parallel::values(points.len(), POINTS_PER_JOB, found))
 }
 
-/// The number of other points at most `reach` away from each, in their images at `shifts` too, of which 0 is one. A point counts each of
+/// The number of other points at most `reach` away from each, in their images at `shifts` too; one shift is 0. A point counts each of
 /// its own images.
 ///
 /// # Errors
@@ -211,7 +211,7 @@ mod tests {
             let found = near(&many, &even, reach).expect("room");
             assert!(found.iter().enumerate().all(|(n, flag)| *flag == (n / 2 % 2 == 0)));
         }
-        // So would those of many points at one place, which are all just too far away.
+        // So would all pairs of many points at one place, which are all just too far away.
         let one: Vec<[f64; 3]> = (0..200_000).map(|n| if n % 2 == 0 { [0.0; 3] } else { [2.0, 2.0, 1.0] }).collect();
         let at_0: Vec<bool> = (0..200_000).map(|n| n % 2 == 0).collect();
         assert_eq!(near(&one, &at_0, 2.999).expect("room"), at_0);
@@ -229,7 +229,7 @@ mod tests {
         1 + halves.iter().map(|half| opened(half, point, reach)).sum::<u64>()
     }
 
-    /// The numbers are those of all pairs for reaches below, near and above the extent, and the largest and the smallest; whole boxes
+    /// The numbers equal a count of all pairs for reaches below, near and above the extent, and the largest and the smallest. Whole boxes
     /// inside count without their points.
     #[test]
     fn the_tree_counts_what_all_pairs_give() {

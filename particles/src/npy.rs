@@ -236,7 +236,7 @@ impl<R: BufRead> Npy<R> {
         }
     }
 
-    /// The error for an array of which only `found` rows could be read.
+    /// The error for an array where only `found` rows could be read.
     pub fn cut(&self, error: io::Error, found: u64, rows: u64) -> Error {
         match error.kind() {
             io::ErrorKind::UnexpectedEof => self.fail("data", format!("the file ends after {found} of {rows} rows")),

@@ -159,7 +159,7 @@ fn check(format: Format, request: &Request) -> Result<()> {
     }
 }
 
-/// The frames of a file of which something is to be said, which the first that is read says.
+/// The frames of a file with a warning, which the first frame that is read carries.
 struct Noted {
     frames: Box<dyn ParticleFrames>,
     warning: Option<String>,

@@ -28,7 +28,7 @@ pub struct ParticleOptions {
     pub format: Option<Format>,
     /// The meaning of columns of a table whose names do not say it.
     pub columns_named: ColumnNames,
-    /// The atom style of LAMMPS data; `None` takes that of the file, or one with its number of columns.
+    /// The atom style of LAMMPS data; `None` takes the style of the file, or one with its number of columns.
     pub atom_style: Option<AtomStyle>,
     /// Whether rows of tables, PTS, XYZ, LAMMPS dump, PLY, PCD, LAS, NPY and NPZ whose coordinates are not finite numbers or whose
     /// radius is not positive are left out and counted; otherwise the first is an error.
@@ -38,7 +38,7 @@ pub struct ParticleOptions {
     /// The particle file with the atoms of a trajectory, which gives the elements, radii, colours and columns that its frames
     /// lack: by the column of `identity` where both have it, by rows otherwise.
     pub topology: Option<PathBuf>,
-    /// Further files of particles, whose frames go in step with those of the first; the column `file` says of which each is. A file
+    /// Further files of particles, whose frames go in step with the first file's; the column `file` names each particle's file. A file
     /// with one frame is in all of them.
     pub added: Vec<PathBuf>,
     /// The column that identifies particles, by which the frames of a sequence have the order of its first one.
@@ -74,7 +74,7 @@ pub struct ParticleOptions {
 }
 
 impl ParticleOptions {
-    /// All selections: to take, to hide, and those of the caller.
+    /// All selections: to take, to hide, and of the caller.
     #[doc(hidden)]
     pub fn all_selections(&self) -> impl Iterator<Item = &Selection> {
         self.select.iter().chain(&self.hide).chain(&self.others)
@@ -183,7 +183,7 @@ impl ParticleOptions {
         }
     }
 
-    /// The column that identifies particles in files of this format; `None` where their order is that of the rows anyway.
+    /// The column that identifies particles in files of this format; `None` where they are in the order of the rows anyway.
     pub(crate) fn identifying(&self, format: Format) -> Option<&str> {
         let is_alone = self.frames.last() == 1 && self.topology.is_none();
         let may_have = self.identity != Identity::Id || format.has(Has::Ids);

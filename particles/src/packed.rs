@@ -36,7 +36,7 @@ pub(super) enum Packing {
 }
 
 impl Packing {
-    /// The compression of a file with these first bytes, of which [`MAGIC`] are enough.
+    /// The compression of a file with these first bytes; [`MAGIC`] of them are enough.
     pub(super) fn of(start: &[u8]) -> Option<Self> {
         match start {
             [0x1f, 0x8b, _, ..] => Some(Self::Gzip),

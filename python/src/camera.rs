@@ -16,7 +16,7 @@ pub(crate) struct Camera {
     pub(crate) aperture: Option<Aperture>,
     #[pyo3(get)]
     pub(crate) size: Option<(u32, u32)>,
-    /// Whether its lens is given in pixels of an image of this size, or without a size in those of any picture.
+    /// Whether its lens is given in pixels of an image of this size, or without a size in pixels of any picture.
     pub(crate) in_pixels: bool,
 }
 
@@ -53,7 +53,7 @@ const NAMED: &str = "lens ";
 pub(crate) type LensArgument = (String, Vec<f64>);
 
 /// `vfov`: degrees and the distance of the viewport; `viewport`: width, height, distance; `height` of a view with parallel
-/// rays; `intrinsics`: fx, fy, cx, cy; `lens NAME`: vfov, fx, fy, cx, cy, of which NaN stands for none, and coefficients.
+/// rays; `intrinsics`: fx, fy, cx, cy; `lens NAME`: vfov, fx, fy, cx, cy (NaN stands for none), and coefficients.
 pub(crate) fn lens_of((kind, numbers): &LensArgument, size: Option<(u32, u32)>) -> halfline::Result<Lens> {
     if let (Some(name), [vfov, fx, fy, cx, cy, coefficients @ ..]) = (kind.strip_prefix(NAMED), &numbers[..]) {
         let [vfov, fx, fy, cx, cy] = [*vfov, *fx, *fy, *cx, *cy];

@@ -10,7 +10,7 @@ use halfline::{Camera as CoreCamera, Error};
 use halfline_command::choices::in_keywords;
 use pyo3::prelude::*;
 
-/// A camera that shows all spheres of a scene, or those of `focus`, from a direction or one with a name, and a warning.
+/// A camera that shows all spheres of a scene, or the spheres of `focus`, from a direction or one with a name, and a warning.
 #[pyfunction]
 #[expect(clippy::too_many_arguments, reason = "those of `Camera.fit` in Python")]
 pub(crate) fn fit_camera(

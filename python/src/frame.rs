@@ -75,7 +75,7 @@ impl Frame {
         Ok(frame)
     }
 
-    /// Calls `write` with the frame as a file shows it. As in files of the command: numbers are those of the scene, and
+    /// Calls `write` with the frame as a file shows it. As in files of the command: numbers are of the scene, and
     /// pictures show what is drawn into them.
     fn with_drawn<T>(
         &self,

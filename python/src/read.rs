@@ -17,7 +17,7 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::{Mutex, PoisonError};
 
-/// The columns that `keep` names: all, none, those of molecules, or these.
+/// The columns that `keep` names: all, none, the columns of molecules, or these.
 fn kept(keep: Option<&Bound<'_, PyAny>>) -> PyResult<Keep> {
     let Some(keep) = keep.filter(|keep| !keep.is_none()) else { return Ok(Keep::Molecules) };
     Ok(match keep.extract::<bool>() {
@@ -77,8 +77,8 @@ impl Opened {
 
 #[pymethods]
 impl Sequence {
-    /// `archive` has the bytes of an .npz in place of a file. `colors` are those of a map, as levels of sRGB. `holds`: whether the frames have the camera of the first one, for an image of this
-    /// size.
+    /// `archive` has the bytes of an .npz in place of a file. `colors` are the colours of a map, as levels of sRGB. `holds`: whether the frames
+    /// have the camera of the first one, for an image of this size.
     #[new]
     #[expect(clippy::too_many_arguments, reason = "what is no option of the command has an argument of its own")]
     fn new(

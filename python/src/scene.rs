@@ -54,13 +54,13 @@ impl Scene {
         scene
     }
 
-    /// A scene of which nothing but this is known.
+    /// A scene with nothing known of it but this.
     fn of_arrays(scene: CoreScene) -> Self {
         let frame = SceneFrame { look: FileLook::default(), ..SceneFrame::new(1, scene) };
         Self { frame, copies: [1; 3], outlined: false, file: None, colored_by: None }
     }
 
-    /// The scene of a frame with the same spheres, of which there may be more.
+    /// The scene of a frame with the same spheres, or with more of them.
     fn with(&self, frame: SceneFrame) -> Self {
         let (file, colored_by) = (self.file.clone(), self.colored_by.clone());
         Self { frame, file, colored_by, ..*self }

@@ -64,7 +64,7 @@ pub(crate) struct PageScene<'py> {
     renderer: PyRef<'py, Renderer>,
     native_camera: PyRef<'py, Camera>,
     size: (u32, u32),
-    /// The keywords of the picture, and those of its lens.
+    /// The keywords of the picture, and of its lens.
     options: Bound<'py, PyDict>,
     lens: Bound<'py, PyDict>,
     origin: Origin<'py>,

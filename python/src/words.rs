@@ -19,7 +19,7 @@ const ARRAYS: [&str; 2] = ["aovs", "dtype"];
 
 /// The keywords of a rendering.
 pub(crate) struct Chosen {
-    /// The options that they are, without those of arrays.
+    /// The options that they are, without options of arrays.
     pub(crate) written: Vec<WrittenOption>,
     pub(crate) choices: Arc<Choices>,
     pub(crate) aovs: Vec<Aov>,
@@ -50,7 +50,7 @@ pub(crate) fn settings(options: &Bound<'_, PyDict>) -> PyResult<(Settings, CutRu
 /// The keywords of a call as options, in the order in which they are given. `None` and `False` stand for no option.
 ///
 /// # Errors
-/// TypeError for an unknown keyword; ValueError for a value of another form, which names the keyword; those of [`begin`].
+/// TypeError for an unknown keyword; ValueError for a value of another form, which names the keyword; errors of [`begin`].
 pub(crate) fn written(given: &Bound<'_, PyDict>, call: Call) -> PyResult<Vec<WrittenOption>> {
     // A process that was forked may wait for ever for the parser, which another thread had.
     begin()?;

@@ -46,7 +46,7 @@ fn certify_solid(s: Slopes, k: NearestTwo) -> Answer {
     return answer;
 }
 
-// The reference depth, to which that of a face is relative, as the bits of an f64.
+// The reference depth, to which the depth of a face is relative, as the bits of an f64.
 fn depth_of_face(slot: u32) -> vec2<u32> {
     let bits = bitcast<u32>(projection.depth);
     return select(vec2<u32>(0u, 0u), vec2<u32>(bits << 29u, (bits >> 3u) + 0x38000000u), slot == FACE && bits != 0u);

@@ -1,4 +1,4 @@
-// General spheres, of which planes may cut some.
+// General spheres; planes may cut some.
 fn general_roots(s: Slopes, n: General) -> Roots {
     let answer = general_answer(s, n);
     let w = general_weigh(s, n);

@@ -1,5 +1,5 @@
-// So few general spheres that every ray tests all of them. A uniform takes none of the storage buffers, of which some adapters
-// bind only ten.
+// So few general spheres that every ray tests all of them. A uniform takes none of the storage buffers; some adapters bind
+// only ten of them.
 @group(0) @binding(BIND_GENERALS_UNIFORM) var<uniform> generals_uniform: array<vec4<i32>, 4u * MAX_GENERALS_WITHOUT_LISTS>;
 
 fn general_at(n: u32) -> General {

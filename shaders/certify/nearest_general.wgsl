@@ -1,4 +1,4 @@
-// The general spheres of a ray: those of general_few.wgsl or general_lists.wgsl, which have general_at.
+// The general spheres of a ray, from general_few.wgsl or general_lists.wgsl, which have general_at.
 
 // The winner's answer if it is a general sphere, otherwise `other`.
 fn certify_general(s: Slopes, k: NearestTwo, other: Answer) -> Answer {

@@ -1,4 +1,4 @@
-// Both roots of a sphere, of which planes may leave either, by depths relative to the reference, with bounds.
+// Both roots of a sphere, by depths relative to the reference, with bounds; planes may leave either.
 struct Roots {
     near: vec2<f32>,
     far: vec2<f32>,

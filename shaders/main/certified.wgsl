@@ -47,7 +47,7 @@ fn main(@builtin(workgroup_id) tile: vec3<u32>, @builtin(local_invocation_index)
     let found = NearestTwo(depth_of(minima[pixel]), depth_of(minima[2u * pixels + pixel]), ~minima[pixels + pixel]);
     begin_solids(s, pixel, pixels);
     let k = with_face(nearest_two_generals(s, found, tile));
-    // The block of the winner has its record; the first one has those of no block.
+    // The block of the winner has its record; the first block takes the winners of no block.
     let own = select(k.slot - block_pass.first < block_pass.count, block_pass.first == 0u, (k.slot & GENERAL) != 0u);
     if (!own) {
         return;

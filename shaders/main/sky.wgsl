@@ -19,7 +19,7 @@ const PLACES: f32 = 7.105427357601002e-15;
 const BLURRED: f32 = 2.842170943040401e-14;
 // Error of the product of normal and direction, in multiples of UNIT.
 const COSINE: f32 = 8.0;
-// Error of the way to a light, in multiples of UNIT and of its length and those of the places that it is made of.
+// Error of the way to a light, in multiples of UNIT and of its length and the lengths of the places that it is made of.
 const AIM: f32 = 4.0;
 // Bound of a direction's relative error, 2^-12: with a larger one the ray is unsure.
 const MAX_TILT: f32 = 2.44140625e-4;
@@ -105,8 +105,8 @@ fn next_ray(start: Start, number: u32) -> Next {
     );
 }
 
-// An invocation traces all rays of a pixel. Those of a subgroup begin their next rays on their own, so that none waits for
-// the longest ray of the others.
+// An invocation traces all rays of a pixel. The invocations of a subgroup begin their next rays on their own, so that none
+// waits for the longest ray of the others.
 @compute @workgroup_size(GROUP)
 fn main(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) index: u32) {
     let each = sky.rays + sky.lights;

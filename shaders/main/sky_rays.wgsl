@@ -11,7 +11,7 @@ struct Sky {
     groups: u32,       // workgroups in a row of the dispatch
     sure_limit: f32,   // of rays toward the sky
     limit: f32,
-    unit: f32,         // the frame's unit in that of the tree; 0 where ways from the eye are of no use
+    unit: f32,         // the frame's unit in the unit of the tree; 0 where ways from the eye are of no use
     steps: u32,        // of the tree in an invocation; beyond them the host traces the pixel
     eye: vec3<i32>,    // on the grid of places: whole steps, and the rest
     first_ray: u32,    // the first ray of each pixel in this dispatch, and one past the last

@@ -13,7 +13,7 @@ struct Picture {
     strength: f32,          // of lines; 0 without any
     pixel_slope: f32,       // the size of a pixel in the frame's unit: this times the depth, and a constant
     pixel_size: f32,
-    stretch: f32,           // the distances of neighbours over those of the narrowest line
+    stretch: f32,           // the distances of neighbours over the distances for the narrowest line
     between: u32,           // 1: lines also where spheres meet without a gap
     neighbours: vec2<i32>,  // the distances of the first and the second neighbour
     cue_near: f32,          // the depth where the background begins to show, and 1 over the way to where it shows most

@@ -1,4 +1,4 @@
-// Adds up the rays toward the sky that main/sky.wgsl traced from the hits of a window. A hit of which the host has to trace them
+// Adds up the rays toward the sky that main/sky.wgsl traced from the hits of a window. A hit whose rays the host has to trace
 // is listed for it.
 
 @group(0) @binding(BIND_FRAME_ID) var<storage, read> frame_id: array<u32>;

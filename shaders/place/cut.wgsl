@@ -20,7 +20,7 @@ fn cut(slot: u32, r: vec4<i32>) -> bool {
     if (is_small(r)) {
         return false;
     }
-    // The finest squares of which there are at most CUT.
+    // The finest squares that are at most CUT in number.
     var s = 0u;
     while (s < COARSEST && are_too_many(squares(r, s))) {
         s++;

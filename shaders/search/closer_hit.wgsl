@@ -19,8 +19,8 @@ fn no_hit() -> Hit {
     return Hit(from_f32(MISS), NONE);
 }
 
-// The nearer of a hit and that of the sphere with this id. Spheres come in the order of their ids, and the comparison is strict: of
-// equal t the lower id wins.
+// The nearer of a hit and the hit of the sphere with this id. Spheres come in the order of their ids, and the comparison is strict:
+// of equal t the lower id wins.
 fn closer_hit(hit: Hit, ray: Ray, id: u32) -> Hit {
     let s = sphere_of(id);
     let t = intersect(ray, s);

@@ -41,7 +41,7 @@ var<workgroup> waiting: array<vec2<u32>, GROUP * LEVELS>;
 struct Position {
     level: u32,
     place: u32, // in its level
-    open: u32,  // the levels, one bit each, of which children wait
+    open: u32,  // the levels whose children wait, one bit each
 }
 
 // Four numbers of a byte each.

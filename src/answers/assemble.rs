@@ -120,7 +120,7 @@ impl Answers<'_> {
         let xs: Vec<f64> = (0..width).map(|j| direction(0, j).0[0]).collect();
         // What was not requested is 0.
         let (none, nowhere) = (vec![0.0; width], vec![0.0; width]);
-        // The depths of a certified kernel are relative to those of the spheres' centres.
+        // The depths of a certified kernel are relative to the depths of the spheres' centres.
         let (raw, xs, hit, certify) = (&self.raw, &xs[..], &hit, !self.raw.depth.is_empty());
         let curved = self.view.curved.as_ref().map(|curved| curved.directions());
         parallel::chunks(&mut out, N * width, &|i, out| {

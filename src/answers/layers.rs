@@ -211,7 +211,7 @@ impl Nearest<'_> {
         while let Some(foremost) = open.first() {
             let answer = self.twin.answer(&slopes, foremost.slot);
             let second = open.get(1).map_or(f32::MAX, |one| one.low);
-            // The answer is that of a whole sphere.
+            // The answer is for a whole sphere.
             let is_cut = self.peeling.scene.spheres.is_cut(foremost.id);
             if !is_cut && self.twin.certain(&answer, [foremost.low, second]) {
                 return Some(foremost.id);

@@ -3,9 +3,9 @@
 use super::open_sky::{SkyAtHit, SkyCounts};
 use glam::DVec3;
 
-/// The certainty of a pixel of which the judge decided a ray.
+/// The certainty of a pixel with a ray that the judge decided.
 pub(crate) const SETTLED: u8 = 1;
-/// The certainty of a pixel of which a ray is not proved.
+/// The certainty of a pixel with a ray that is not proved.
 pub(crate) const NOT_CERTIFIED: u8 = 255;
 
 /// The buffers of lights and sky in row order; those that were not requested are empty.

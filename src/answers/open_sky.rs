@@ -1,5 +1,5 @@
-//! The rays toward the sky from the hits of a view, as the samples of a picture take them: a sample also takes those of the pixels
-//! around it that show its sphere (a discontinuity buffer: Keller and Heidrich, *Interleaved Sampling*, 2001).
+//! The rays toward the sky from the hits of a view, as the samples of a picture take them. A sample also takes the rays of the
+//! pixels around it that show its sphere (a discontinuity buffer: Keller and Heidrich, *Interleaved Sampling*, 2001).
 
 use crate::number::vector::{LANES, vectorized};
 use crate::scene::SkyLight;
@@ -15,7 +15,7 @@ use std::ops::Range;
 #[cfg(test)]
 mod tests;
 
-/// Sums over rays toward the sky, each of which counts as its direction, of length 1 and on the side of the normal. The product
+/// Sums over rays toward the sky. Each ray counts as its direction, of length 1 and on the side of the normal. The product
 /// with a normal is the sum of the rays' cosines; so the rays of a point also tell the open share for normals near its own.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct SkySums {
@@ -86,8 +86,8 @@ impl SkySums {
     }
 }
 
-/// Light of the sky on a surface with this normal, linear RGB: that of the whole sky, in the share that the rays find open, channel by
-/// channel; without colours the share alone. Of the vectors of [`SkySums`] in their order, in f32: off by some 2^-22, where the noise of
+/// Light of the sky on a surface with this normal, linear RGB: the light of the whole sky, in the share that the rays find open, channel
+/// by channel. Without colours the share alone. Of the vectors of [`SkySums`] in their order, in f32: off by some 2^-22, where the noise of
 /// rays is some 2^-4.
 #[inline(always)]
 fn light(sums: [[f32; 3]; 4], normal: [f32; 3], colors: Option<&SkyLight>) -> [f32; 3] {
@@ -212,8 +212,8 @@ fn nearest(x: f32) -> i16 {
 /// Rays of a pixel from which on it needs none of its neighbours.
 const ENOUGH: u32 = 64;
 
-/// The passes in which the rays of neighbours are put together. Each takes those of a pixel and of its eight neighbours at a
-/// distance, with the weights 4, 2 and 1; the distances 1, 2, .. have nothing left of a pattern that repeats after twice the last.
+/// The passes in which the rays of neighbours are put together. Each takes the rays of a pixel and of its eight neighbours
+/// at a distance, with the weights 4, 2 and 1. The distances 1, 2, .. have nothing left of a pattern that repeats after twice the last.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Smoothing(pub(crate) &'static [u32]);
 
@@ -235,7 +235,7 @@ impl Smoothing {
     }
 }
 
-/// The sums over rays toward the sky at the pixels of a window, with those of their neighbours, as [`SkyAtHit::write`] counts them.
+/// The sums over rays toward the sky at the pixels of a window, with the sums of their neighbours, as [`SkyAtHit::write`] counts them.
 #[derive(Debug)]
 pub(crate) struct OpenSky {
     window: Window,
@@ -295,8 +295,8 @@ impl OpenSky {
         SkySums { all: sum(0), open: sum(1), zenith: [sum(2), sum(3)], rays: 1 }
     }
 
-    /// The sums for a sample of this pixel of the frame that shows the sphere: those of the pixel if it shows the sphere too, else
-    /// those of its neighbours that do, else of all that show any; zeros where none does.
+    /// The sums for a sample of this pixel of the frame that shows the sphere. They come from the pixel if it shows the sphere
+    /// too, else from its neighbours that do, else from all that show any; zeros where none does.
     #[inline(always)]
     pub(crate) fn around(&self, row: u32, column: u32, id: u32) -> SkySums {
         let Window { x0, y0, x1, y1 } = self.window;
@@ -421,7 +421,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Adds the sums of row `y` and its neighbours up for some columns. Those of the same sphere count, less the more their normal n differs
+    /// Adds the sums of row `y` and its neighbours up for some columns. Sums of the same sphere count, less the more their normal n differs
     /// from the pixel's: times 1 - 2 |n - n'|^2, and not at all from 41 degrees on. On a sphere that also bounds how far apart they are.
     /// In a wide step they also count less the more their open share s differs, times 1 - (s - s')^2 / [`ALIKE`]^2: where a
     /// neighbour throws a shadow, the light changes within few pixels.

@@ -29,7 +29,7 @@ pub(crate) struct Settled {
     pub(crate) truth: Option<Truth>,
 }
 
-/// Pixels that are compared together, most of which are sure.
+/// Pixels that are compared together; most are sure.
 const COMPARED: usize = 64;
 
 /// The pixels that a certified kernel marked unsure.
@@ -250,7 +250,7 @@ impl<'a> CutSettler<'a> {
         ray.first(some.map(|(low, id)| (least_t(low), self.ball(id), self.cuts.is_cut(id))))
     }
 
-    /// The numbers of f64 in place of those of the judge, where they are sharp enough: so they do not depend on the spheres that a pixel
+    /// The numbers of f64 in place of the judge's numbers, where they are sharp enough: so they do not depend on the spheres that a pixel
     /// was decided among.
     fn sharpened(&self, at: [u32; 2], truth: Truth) -> Truth {
         let own = || {

@@ -61,7 +61,7 @@ pub(crate) const COMPANY: [f64; 2] = [6.0, 12.0];
 /// The width and the colour of lines.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Line {
-    /// The width over that of the neighbourhood of [`REACH`].
+    /// The width over the width of the neighbourhood of [`REACH`].
     scale: f64,
     pub(crate) color: [f32; 3],
 }
@@ -71,7 +71,7 @@ impl Line {
         Self { scale: outline.width / Outline::LEAST_FULL, color: outline.color }
     }
 
-    /// The distances of neighbours over those of the narrowest line.
+    /// The distances of neighbours over the distances for the narrowest line.
     pub(crate) fn stretch(self) -> f64 {
         larger(self.scale, 1.0)
     }
@@ -81,7 +81,7 @@ impl Line {
         (REACH as f64 * self.stretch()).round() as u32
     }
 
-    /// The darkness of a line that is narrower than the narrowest, over that of the narrowest.
+    /// The darkness of a line that is narrower than the narrowest, over the darkness of the narrowest.
     pub(crate) fn strength(self) -> f64 {
         if self.scale < 1.0 { self.scale } else { 1.0 }
     }
@@ -150,7 +150,7 @@ pub(crate) struct Shown<'a> {
     pub(crate) depths: &'a [f64],
     /// The radius of each sphere of the scene.
     pub(crate) radii: &'a [f64],
-    /// The materials of the spheres: those of ink have no lines.
+    /// The materials of the spheres: spheres of ink have no lines.
     pub(crate) materials: Option<&'a Materials>,
     /// The size of a pixel.
     pub(crate) pixel: PixelSize,

@@ -88,7 +88,7 @@ pub(crate) struct FirstHit {
     best: Option<(NumberedBall, CutHit)>,
     /// The lower bound of its t.
     least: f64,
-    /// The next t that is not that of the best, or its lower bound.
+    /// The next t, of a hit other than the best, or its lower bound.
     second: f64,
 }
 
@@ -481,12 +481,12 @@ impl CutRay {
         Some(found)
     }
 
-    /// A ray of which planes keep nothing: it meets only spheres that they spare.
+    /// A ray without a part that planes keep: it meets only spheres that they spare.
     pub(crate) fn beyond(ray: CertifiedRay) -> Self {
         Self { ray, entry: None, exit: None, is_empty: true }
     }
 
-    /// A ray of which planes keep all.
+    /// A ray that planes keep as a whole.
     pub(crate) fn whole(ray: CertifiedRay) -> Self {
         Self { ray, entry: None, exit: None, is_empty: false }
     }

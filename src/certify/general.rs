@@ -144,7 +144,7 @@ pub(crate) fn general_low<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Term
     low.less(R::MISS).pick(low * n.scale, R::MISS)
 }
 
-/// The roots of the sphere, of which planes may leave either.
+/// The roots of the sphere; planes may leave either of them.
 #[inline(always)]
 pub(crate) fn general_roots<R: Number>(s: &Slopes<R>, n: &General<R>, terms: &Terms) -> Roots<R> {
     let (beyond, one) = (R::from_f32(BEYOND), R::ONE);

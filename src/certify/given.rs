@@ -23,7 +23,7 @@ pub(crate) struct GivenTerms {
     pub(crate) power_dd: f64,
     /// Relative error of the last sums, products and quotients.
     pub(crate) quotient: f64,
-    /// Factors of the start's blur: in the errors of p x d and b, and, times |p| |d|, in that of |p|^2.
+    /// Factors of the start's blur: in the errors of p x d and b, and, times |p| |d|, in the error of |p|^2.
     pub(crate) blur: [f64; 2],
     /// Factors of the direction's tilt: times |p| |d| in the errors of p x d and b, and in the relative errors of |d|^2
     /// and of its quotients.

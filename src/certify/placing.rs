@@ -82,7 +82,7 @@ impl Placer {
         self.projection.placing_record(reference, self.image)
     }
 
-    /// Places the spheres that a device left, and decides the reference depth, which equals that of
+    /// Places the spheres that a device left, and decides the reference depth, which is the same as in
     /// [`BinnedScene::new`].
     pub(crate) fn by_host(
         &self,

@@ -18,16 +18,16 @@ use bytemuck::{Pod, Zeroable};
 use halfline_ground::parallel::{self, CHEAP};
 use std::cmp::Ordering;
 
-/// Error of the host in a numerator and a denominator, relative to the sizes of their terms: fewer than 8 roundings, those of the
-/// axes among them.
+/// Error of the host in a numerator and a denominator, relative to the sizes of their terms: fewer than 8 roundings, the roundings
+/// of the axes among them.
 const HOST: f64 = 8.0 * f64::EPSILON;
 
 /// The largest size of a numerator, which leaves room for its quotients by the error of a denominator, which is at least 2^-49 as N has a
 /// length of 1 at least.
 const MOST: f64 = (1u128 << 90) as f64;
 
-/// A plane N.p = D as the rays of a view meet it: at the depth (relative to the reference) of a numerator over a denominator, both of
-/// which are linear in the pixel. Declared in shaders/certify/planes.wgsl.
+/// A plane N.p = D as the rays of a view meet it: at the depth (relative to the reference) of a numerator over a denominator, both
+/// linear in the pixel. Declared in shaders/certify/planes.wgsl.
 #[repr(C)]
 #[derive(Debug, Clone, Copy, Pod, Zeroable, PartialEq)]
 pub(crate) struct PlaneRecord {
@@ -67,7 +67,7 @@ pub(crate) struct PlaneRecords {
 }
 
 /// The order of spheres that planes cut, by radius and id. A sphere's rank is its place there, from 1 on; 0 for a whole one. Of several
-/// faces at one place that of the least rank shows.
+/// faces at one place the face of the least rank shows.
 #[derive(Debug, Clone)]
 pub(crate) struct Ranks {
     /// The rank of each sphere.

@@ -166,7 +166,7 @@ fn solved<R: Number>(s: &Slopes<R>, projection: &ProjectionRecord, f: &Projected
     Solved { weighed, root, most, least, along, total, length, mixed, blur, low, hits }
 }
 
-/// The roots of the sphere, of which planes may leave either.
+/// The roots of the sphere; planes may leave either of them.
 #[inline(always)]
 pub(crate) fn projected_roots<R: Number>(
     s: &Slopes<R>,

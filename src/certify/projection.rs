@@ -212,7 +212,7 @@ impl ProjectionBounds {
             offset: [offset(0, 0.0) + slant * coarse, offset(1, steep), U * (whole + of_root)].map(bound),
             total: total.map(bound),
             scale: scale.map(|x| x as f32),
-            // Its rounding to f32, and that of the difference.
+            // Its rounding to f32, and the rounding of the difference.
             center: bound(U * (of_center + 1.5)),
             // |c - e|_1 is at most sqrt(3) |c - e|; the last is the rounding of the depth itself.
             coordinates: bound((1.7321 * ROTATED + U64) * (1.0 + 2f64.powi(-20))),

@@ -100,7 +100,7 @@ impl RecordMaker<'_> {
     }
 }
 
-/// The spheres from number `first` on, all of which are projected.
+/// The spheres from number `first` on, all of them projected.
 struct Ready<'a> {
     maker: &'a RecordMaker<'a>,
     first: usize,

@@ -207,7 +207,7 @@ impl Sieve {
     }
 
     /// Whether a sphere that is projected at this depth of the world has a form that f32 holds in the unit 2^`unit` too. True for
-    /// parallel rays, of which a frame that is not bounded is exact.
+    /// parallel rays: a frame of them that is not bounded is exact.
     pub(crate) fn holds(&self, depth: f64, unit: i32) -> bool {
         self.projection.parallel || self.projection.is_in_range(ldexp(depth, -unit))
     }

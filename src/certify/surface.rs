@@ -45,7 +45,7 @@ pub(crate) struct SurfacePoint {
     pub(crate) outside: bool,
     /// The unit normal against the viewing ray.
     pub(crate) normal: [f64; 3],
-    /// A plane cuts the sphere here: the point is inside of it, and the normal that of the plane.
+    /// A plane cuts the sphere here: the point is inside of it, and the normal is the plane's.
     pub(crate) is_face: bool,
 }
 
@@ -136,7 +136,7 @@ impl SurfacePoint {
     /// Bound of the error of a viewing ray's direction that is scaled to length 1.
     pub(crate) const VIEWING_TILT: f64 = DIRECTION + 4.0 * EPS;
 
-    /// Bound of the error of a mirrored direction of length 1, if that of the ray has an error of `tilt`. The
+    /// Bound of the error of a mirrored direction of length 1, if the ray's direction has an error of `tilt`. The
     /// reflection d - 2 (d.n) n doubles the normal's error in each of its two factors, and takes ten roundings.
     pub(crate) fn mirrored_tilt(&self, placement: &Placement, tilt: f64) -> f64 {
         let normal = self.blur / placement.radius(self.ball.radius) + 5.0 * EPS;

@@ -53,7 +53,7 @@ pub(crate) struct Lists {
 impl Lists {
     /// Bins spheres, whose ids are their indices in `bins`, with `single` entries in lists of single tiles. Squares of 2^`level` tiles, or larger ones, share a list.
     /// The size is chosen for the whole image, and lists are created only for cells that overlap `tiles` (first and
-    /// last column and row). So each list equals that of the whole image.
+    /// last column and row). So each list equals the list of the whole image.
     pub(super) fn new(
         bins: &[Bin],
         single: u64,

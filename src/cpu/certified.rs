@@ -25,8 +25,8 @@ use strip::{NearestTwos, NonePassed, Solids, Strip, Whole};
 use triples::{Portable, Triples};
 
 /// Fills `raw` with certified answers; a pixel without a proof gets [`UNSURE`](crate::view::ray::UNSURE) as id, or its nearest candidate, as
-/// the kernel says. The colours are those of spheres, and of faces on planes where these are others. `passed` has the hits before, if any: layers of one sphere a pixel, which its ray passes through; a pixel whose last is
-/// [`NONE`] may be left out, as a miss. `go_on` is called before every row.
+/// the kernel says. The colours belong to spheres, and to faces on planes where these are others. `passed` has the hits before, if any: layers of
+/// one sphere a pixel, which its ray passes through; a pixel whose last is [`NONE`] may be left out, as a miss. `go_on` is called before every row.
 pub(crate) fn certified(
     kernel: &Kernel,
     view: &View,
@@ -113,7 +113,7 @@ fn pixels<const N: usize>(
     Pixels::new(frame, strip, &two, solids)
 }
 
-/// The nearest hits behind those of some layers, at least one; of a strip without any in the last, misses.
+/// The nearest hits behind the hits of some layers, at least one; of a strip without any in the last, misses.
 #[inline(always)]
 fn nearest_behind<const N: usize>(
     frame: &StripFrame<'_>,

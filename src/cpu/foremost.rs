@@ -29,7 +29,7 @@ impl Foremost {
             return false;
         }
         if let Some((other, nearest)) = self.best {
-            // Of equal spheres the lower index is hit. A place beyond the tree is that of no other sphere.
+            // Of equal spheres the lower index is hit. A place beyond the tree is the place of no other sphere.
             let equal = || tree.spheres.get(other).is_some_and(|sphere| *sphere == tree.spheres[place]);
             if bounds.low <= nearest.high && nearest.low <= bounds.high && equal() {
                 let first = if tree.ids[place] < tree.ids[other] { place } else { other };

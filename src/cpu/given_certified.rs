@@ -90,7 +90,7 @@ impl Given<'_> {
         }
     }
 
-    /// The answer where the nearest hit is that of the sphere at `place`.
+    /// The answer where the nearest hit is on the sphere at `place`.
     #[inline(always)]
     fn hit(&self, ray: &CertifiedRay, place: usize, bounds: &Bounds) -> NearestHit {
         let numbers = ray.numbers(self.tree.ball(place), bounds);
@@ -229,7 +229,7 @@ struct NearestCandidates<'a, 'b> {
     ray: &'a CertifiedRay,
     boxes: &'a BoxRay,
     counts: &'a dyn Fn(u32) -> bool,
-    /// Upper bound of t of the nearest hit: that of the nearest sure hit so far, or of the ray's limit.
+    /// Upper bound of t of the nearest hit: from the nearest sure hit so far, or from the ray's limit.
     nearest: f64,
     all: Vec<(f64, u32)>,
 }

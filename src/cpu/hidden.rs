@@ -67,7 +67,7 @@ impl<'a> LightRay<'a> {
         or(self.point.own(ray), || self.others())
     }
 
-    /// Whether a sphere other than that of the point hides the light.
+    /// Whether a sphere other than the point's own hides the light.
     pub(crate) fn others(&self) -> AnyHit {
         let Some((cuts, part)) = &self.cut else { return self.search.answer() };
         let of_part = match part {
@@ -90,7 +90,7 @@ impl<'a> LightRay<'a> {
         cuts.spared.map(|tree| Search { tree, own, ..self.search })
     }
 
-    /// All spheres that may hide the light, beside that of the point.
+    /// All spheres that may hide the light, beside the point's own.
     pub(crate) fn candidates(&self) -> Vec<Solid> {
         let Search { tree, .. } = self.search;
         let (cuts, places) = match &self.cut {
@@ -167,7 +167,7 @@ impl Search<'_> {
         BoxRay::new(self.ray.placed(), self.ray.direction, self.ray.doubt())
     }
 
-    /// Whether the sphere at this place is another than that of the point and the light.
+    /// Whether the sphere at this place is neither the point's own nor the light.
     #[inline(always)]
     fn counts(&self, place: usize) -> bool {
         let ball = Some(self.tree.ball(place));

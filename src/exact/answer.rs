@@ -26,7 +26,7 @@ pub struct Truth {
     pub t: f64,
     /// Euclidean length from the ray's origin to the hit, t |direction|.
     pub distance: f64,
-    /// Distance along the view axis, t d; that of a curved lens, whose t it takes in f64, is below 0 behind the eye. NaN for a ray without a
+    /// Distance along the view axis, t d; for a curved lens, whose t it takes in f64, below 0 behind the eye. NaN for a ray without a
     /// camera.
     pub depth: f64,
     /// Unit, in world space, against the ray.
@@ -79,7 +79,7 @@ impl<T: Fused> Quick<T> {
         let from = ray.start(body.k);
         let start_size = if let Some([x, y]) = from { x.hi.abs() + y.hi.abs() } else { T::ZERO };
         let (size, radius, steps, close) = (T::splat(body.size), T::splat(body.r), T::splat(STEPS), T::splat(CLOSE));
-        // The hit point has the error of its t; its position on the sphere also that of p. A depth close to underflow has
+        // The hit point has the error of its t; its position on the sphere also the error of p. A depth close to underflow has
         // too few bits.
         let nearest = distance.hi.less(radius).pick(distance.hi, radius);
         let mut good = ((hit.error + steps) * distance.hi).at_most(close * nearest)

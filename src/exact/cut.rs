@@ -8,7 +8,7 @@
 //! den = a' N.dir'   num = a' (D - N.e) - L N.origin
 //! ```
 //!
-//! both elements of the frame's field, so that num/den - root has the sign of den times that of
+//! both elements of the frame's field, so that num/den - root has the sign of den times the sign of
 //! a' num - den b' +- den sqrt(D'), and two planes compare by products.
 
 use super::decide::{ExactFrame, ExactRay, Meeting, Root};

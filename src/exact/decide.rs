@@ -235,7 +235,7 @@ impl Meeting {
     /// (b' -+ sqrt(D')) with a relative error below 2^-bits; `None` when the line misses the sphere.
     ///
     /// The root of larger magnitude is a sum of equal signs, the other is a' c0 over it: nothing cancels. Errors of b'
-    /// and of the root of D' (half that of D' and one truncation) are below 2^-(bits+5), the quotient adds as much.
+    /// and of the root of D' (half the error of D' and one truncation) are below 2^-(bits+5), the quotient adds as much.
     pub(crate) fn scaled_root(&self, field: &Field, root: Root, bits: usize) -> Option<Dyadic> {
         let n = bits + 8;
         let s = match field.sign(&self.disc) {

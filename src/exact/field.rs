@@ -125,7 +125,7 @@ impl Field {
     }
 }
 
-/// The sign of A + B sqrt(C), C > 0, from those of A and B and, where they oppose, of A^2 - B^2 C.
+/// The sign of A + B sqrt(C), C > 0, from the signs of A and B and, where they oppose, of A^2 - B^2 C.
 pub(super) fn resolve(a: Ordering, b: Ordering, squares: impl FnOnce() -> Ordering) -> Ordering {
     match (a, b) {
         (_, Ordering::Equal) => a,

@@ -98,7 +98,7 @@ pub(crate) struct Body {
     pub(crate) r: f64,
     /// At least |p|.
     pub(crate) size: f64,
-    /// |p|^2 - r^2, of which `power_error` is the relative error and `side` the exact sign.
+    /// |p|^2 - r^2, with `power_error` as its relative error and `side` as its exact sign.
     power: Dd,
     power_error: f64,
     pub(crate) side: Ordering,
@@ -283,7 +283,7 @@ impl<T: Fused> FilterRay<T> {
         (sure, FilterHit { t, error, k: s.k })
     }
 
-    /// D and its error; `e` is that of the components of dir x p.
+    /// D and its error; `e` is the error of the components of dir x p.
     #[inline(always)]
     fn discriminant(&self, s: &Body, e: T) -> (Dd<T>, T) {
         let moment = dd::cross(self.dir, splat(s.p));
@@ -411,7 +411,7 @@ pub(crate) struct FilterHit<T = f64> {
 }
 
 impl FilterHit {
-    /// A hit of which nothing is known.
+    /// A hit that nothing is known about.
     pub(crate) fn unknown(self) -> Self {
         Self { t: Dd::from(f64::NAN), error: f64::INFINITY, ..self }
     }

@@ -119,7 +119,7 @@ pub(super) struct HitPoint<'a> {
     scale: FieldElement,
     root: Root,
     own: Solid,
-    /// The planes that cut spheres, and that of the hit where it is on a face.
+    /// The planes that cut spheres, and the plane of the hit where it is on a face.
     planes: &'a [ExactPlane],
     face: Option<&'a ExactPlane>,
 }

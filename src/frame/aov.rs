@@ -43,7 +43,7 @@ named! {
 }
 
 impl Aov {
-    /// Components per pixel in the frame of a scene with that many lights, of which only `shadow` depends.
+    /// Components per pixel in the frame of a scene with that many lights; only `shadow` depends on them.
     pub fn channels(self, lights: usize) -> usize {
         match self {
             Self::Color | Self::Normal | Self::Position => 3,

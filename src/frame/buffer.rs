@@ -59,7 +59,7 @@ pub struct Buffer {
 }
 
 impl Buffer {
-    /// A buffer of `width` columns and `height` rows. The number of values gives that of the lights of a `shadow` buffer.
+    /// A buffer of `width` columns and `height` rows. The number of values gives the number of lights of a `shadow` buffer.
     ///
     /// # Errors
     /// See [`Buffer::check`].

@@ -1,5 +1,5 @@
-//! Perceptual colour maps from numbers between 0 and 1 to colours. The maps are those of the crate colorous
-//! (matplotlib's and ColorBrewer's by d3-scale-chromatic), tables of others, and the caller's own.
+//! Perceptual colour maps from numbers between 0 and 1 to colours. The maps come from the crate colorous
+//! (matplotlib's and ColorBrewer's by d3-scale-chromatic), from tables of others, and from the caller.
 
 mod tables;
 
@@ -30,7 +30,7 @@ pub enum ColorMap {
     RedYellowBlue,
     /// Blue over white to red, for values with a midpoint.
     BlueWhiteRed,
-    /// Blue over light grey to red, for values with a midpoint: that of ParaView and matplotlib.
+    /// Blue over light grey to red, for values with a midpoint: the map of ParaView and matplotlib.
     CoolWarm,
     /// Dark blue over green to pink, with uniform lightness steps, for all kinds of colour vision.
     Batlow,
@@ -97,7 +97,7 @@ impl ColorMap {
         NAMED.map(|(name, _)| name)
     }
 
-    /// The name; of own colours that of [`ColorMap::of_colors`].
+    /// The name; of own colours the name given to [`ColorMap::of_colors`].
     #[must_use]
     pub fn name(&self) -> &str {
         match self {

@@ -20,7 +20,7 @@ pub struct Cover {
 pub struct Coverage {
     /// Samples of each pixel.
     pub samples: u32,
-    /// Each row of the window: its covers by column, those of a pixel in the order of the samples that show them first.
+    /// Each row of the window: its covers by column, the covers of a pixel in the order of the samples that show them first.
     pub rows: Vec<Vec<Cover>>,
 }
 
@@ -35,7 +35,7 @@ impl Coverage {
         (samples + 1) * size_of::<Cover>() as u64
     }
 
-    /// Adds one sample of every pixel: the spheres `ids` of rows of `width` pixels, of which `window` is counted.
+    /// Adds one sample of every pixel: the spheres `ids` of rows of `width` pixels; only `window` is counted.
     pub(crate) fn add(&mut self, ids: &[u32], window: Window, width: u32) {
         self.samples += 1;
         parallel::fill(&mut self.rows[..], 1, &|rows, row| {

@@ -23,7 +23,7 @@ pub struct Legend {
     pub categories: Vec<Category>,
     /// The names of the file in the order of their colours, whether they occur or not; empty for numbers.
     pub names: Vec<String>,
-    /// The colours of selected particles, labelled by their expressions. The categories are those of the other particles.
+    /// The colours of selected particles, labelled by their expressions. The categories belong to the other particles.
     pub overrides: Vec<Category>,
 }
 

@@ -42,7 +42,7 @@ impl Frame {
         Some(Window { x0, y0, x1, y1 })
     }
 
-    /// The part of the frame in a window of the full frame, which lies within that of this one.
+    /// The part of the frame in a window of the full frame, which lies within the window of this one.
     #[must_use]
     pub fn cut(&self, window: Window) -> Self {
         let [left, top] = [(window.x0 - self.window.x0) as usize, (window.y0 - self.window.y0) as usize];

@@ -109,8 +109,8 @@ fn shown(name: &str) -> String {
     if name.starts_with(EMITTED) { name.to_owned() } else { format!("shaders/{name}") }
 }
 
-/// The shaders of a frame, in the order in which they run: before a certified kernel the steps of a resident frame. Those of large
-/// spheres run only where there are some.
+/// The shaders of a frame, in the order in which they run: before a certified kernel the steps of a resident frame. The shaders of
+/// large spheres run only where there are some.
 pub(crate) fn shaders(kernel: &Kernel) -> Vec<(&'static str, Source)> {
     let (samples, planes) = (kernel.samples, kernel.has_planes());
     let steps = [

@@ -259,8 +259,8 @@ impl Gpu {
         Ok(Some(pairs))
     }
 
-    /// Sends the lists of general spheres of a band, unless the device holds those of the whole frame since the spheres
-    /// were placed.
+    /// Sends the lists of general spheres of a band, unless the device holds the lists of the whole frame since the
+    /// spheres were placed.
     fn upload_general_lists(&mut self, record: &ViewRecord, band: &Band, binned: &BinnedScene) -> Result<()> {
         let has_lists = Generals::of(binned.generals.len()) == Generals::Lists;
         let is_whole = has_lists && band.count == record.rows;

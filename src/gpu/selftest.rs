@@ -103,7 +103,7 @@ impl Gpu {
         Ok(self.verdict.insert(verdict))
     }
 
-    /// Makes the verdict that of a failed f32 self-test.
+    /// Makes the verdict say that the f32 self-test failed.
     #[cfg(test)]
     pub(crate) fn distrust(&mut self) {
         if let Some(verdict) = &mut self.verdict {

@@ -16,7 +16,7 @@ impl Constant for u32 {
 }
 
 impl Constant for f32 {
-    /// The fewest digits of which the same f32 is read again.
+    /// The fewest digits that read back as the same f32.
     fn words(&self) -> [String; 2] {
         ["f32".into(), format!("{self:?}f")]
     }

@@ -248,7 +248,7 @@ fn perpendicular(a: &Roundings, s: &Extent) -> [f64; 2] {
 struct Quadratic {
     /// Error of D over a r^2, by its arithmetic alone.
     squares: f64,
-    /// Error of b over |p||d|, with that of its inputs.
+    /// Error of b over |p||d|, with the error of its inputs.
     b: f64,
     /// Relative error of the divisor of t.
     scale: f64,
@@ -274,7 +274,7 @@ fn normalised(s: &Extent) -> Quadratic {
 /// t = (b -+ sqrt(D))/a, the near root if it is positive.
 fn lecture(form: &Quadratic, s: &Extent) -> [f64; 2] {
     let tilt = (F32.center + F32.direction) * s.k;
-    // l^2 and r^2 are compared, so their error is that of a square: |l/r - 1| where |l^2/r^2 - 1| = squares.
+    // l^2 and r^2 are compared, so their error is the error of a square: |l/r - 1| where |l^2/r^2 - 1| = squares.
     let of_square = |e: f64| {
         let grow = e / ((1.0 + e).sqrt() + 1.0);
         if e < 1.0 { e / ((1.0 - e).sqrt() + 1.0) } else { grow.max(1.0) }
@@ -282,7 +282,7 @@ fn lecture(form: &Quadratic, s: &Extent) -> [f64; 2] {
     let mut outline = tilt + F32.radius + of_square(form.squares);
     // With the errors of the inputs, for a ray that hits.
     let e = form.squares + tilt * (2.0 + tilt) + 2.0 * (F32.direction + F32.radius);
-    // The sign of a root is that of c: the wrong sign shows a sphere that lies behind, or hides one from inside.
+    // The sign of a root is the sign of c: the wrong sign shows a sphere that lies behind, or hides one from inside.
     let sign = e + 2.0 * F32.root * s.k * s.k + U * (s.k * s.k + 1.0);
     if s.power <= sign {
         outline = outline.max(s.gap());

@@ -201,7 +201,7 @@ impl Fused for Vector<f64> {
     }
 }
 
-/// A number of which a method computes eight at once.
+/// A number that a method computes eight at a time.
 pub trait Laned: Number {
     /// Eight of these numbers.
     type Vector: Arithmetic;

@@ -26,14 +26,14 @@ use halfline_ground::quote::setting::{CROP, SIZE, TILE};
 /// than a tile have about 1.1 entries. Spheres that no ray hits have none, but that is not known at this point.
 const STAGED: u64 = 126;
 
-/// Bytes per general sphere while its lists are made: its record in the list of a job and in that of all, its numbers in f64,
-/// its place among all (4), and its place and lower bound in the list of the whole image (12).
+/// Bytes per general sphere while its lists are made: its record in the list of a job and in the list of all, and its numbers
+/// in f64. Also its place among all (4), and its place and lower bound in the list of the whole image (12).
 const GENERAL: u64 = (2 * size_of::<GeneralRecord>() + size_of::<General<f64>>() + 4 + 12) as u64;
 
 /// Bytes per tile of the lists of general spheres: the tile's list while they are laid out (4), and its range (8).
 const NEAR_TILE: u64 = 12;
 
-/// Bytes per entry of these lists: in the list of its cell and in that of all, each with capacity for twice as many at most.
+/// Bytes per entry of these lists: in the list of its cell and in the list of all, each with capacity for twice as many at most.
 const NEAR_ENTRY: u64 = 2 * 2 * size_of::<u32>() as u64;
 
 /// Frames keep ids as i32.

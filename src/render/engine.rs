@@ -37,7 +37,7 @@ pub(super) struct ViewRays<'a> {
 
 /// The answer of an engine.
 pub(super) enum Found {
-    /// The hits are written; those of these pixels were decided in exact arithmetic, and their answers come from here.
+    /// The hits are written; the hits of these pixels were decided in exact arithmetic, and their answers come from here.
     Hits(Vec<Settled>),
     /// The device leaves the frame to the host, for this reason.
     Left(String),
@@ -87,7 +87,7 @@ fn settle(
     }
     let doing = renderer.watch.begin(Step::Settle, unsure.len() as u64);
     let sharp = match kernel {
-        // The bound of a settled distance is that of the judge's.
+        // The bound of a settled distance is the bound of the judge's distance.
         _ if settings.asks(&[Aov::Bound]) => 0.0,
         _ if !(kernel.t || kernel.normal || kernel.shade.is_some()) => f64::INFINITY,
         _ => SHARP.min(0.25 * settings.promise().relative()),

@@ -104,7 +104,7 @@ mod tests {
         }
     }
 
-    /// The judge, who knows nothing of lenses, has the camera of each point of the lens as that of a larger image.
+    /// The judge, who knows nothing of lenses, has for each point of the lens the camera of a larger image.
     #[test]
     fn every_sample_is_the_exact_ray_of_its_point_of_the_lens() {
         let lenses =

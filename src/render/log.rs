@@ -17,7 +17,7 @@ pub(super) struct FrameLog {
     light: LightOnDevice,
 }
 
-/// The number of hits of which a device traced the rays, and of those hits that it decided.
+/// The number of hits whose rays a device traced, and of those hits that it decided.
 #[derive(Debug, Clone, Copy, Default)]
 struct LightOnDevice {
     hits: usize,
@@ -40,14 +40,14 @@ impl FrameLog {
         self.left_to_host.get_or_insert_with(|| format!("{what}: {reason}"));
     }
 
-    /// Notes hits of which the device left so many to the host.
+    /// Notes hits; the device left so many of them to the host.
     pub(super) fn add_light(&mut self, ids: &[u32], left: usize) {
         let hits = parallel::count(ids.len(), |pixel| ids[pixel] != NONE);
         self.light.hits += hits;
         self.light.decided += hits.saturating_sub(left);
     }
 
-    /// Notes the hits of which the device traced the rays.
+    /// Notes the hits whose rays the device traced.
     pub(super) fn add_traced(&mut self, ids: &[u32], traced: &Traced<'_>) {
         let is_left = |pixel: usize| ids[pixel] != NONE && traced.of(pixel as u32).is_none();
         self.add_light(ids, parallel::count(ids.len(), is_left));

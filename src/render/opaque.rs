@@ -71,7 +71,7 @@ pub(super) struct LastOpaque {
 
 struct Known {
     same: SameSpheres,
-    /// The opacities and the colours where no one can change them; otherwise they are those of one frame.
+    /// The opacities and the colours where no one can change them; otherwise they belong to one frame.
     opacities: Option<List<f32>>,
     colors: Option<List<[f32; 3]>>,
     cuts: Option<Cuts>,

@@ -21,7 +21,7 @@ const GROUPING_MIN_SPHERES_PER_PIXEL: u64 = 8;
 /// Frames of the same spheres after which a tree is built for groups alone: it takes as long as it saves in about so many.
 const GROUPING_MIN_FRAMES: u64 = 8;
 
-/// The order of the spheres that a renderer saw last, and those of other renderers on its device.
+/// The order of the spheres that a renderer saw last, and the orders of other renderers on its device.
 #[derive(Default)]
 pub(super) struct LastOrder {
     known: Option<Known>,
@@ -46,13 +46,13 @@ pub(super) struct Ordered {
 
 impl Ordered {
     fn new(spheres: &Spheres) -> Option<Self> {
-        // The frame is that of lists that can be changed, and the order of these is not shared.
+        // The frame counts only for lists that can be changed, and the order of these is not shared.
         let same = SameSpheres::of(spheres, 0);
         let tree = Arc::new(Tree::new(&spheres.centers, &spheres.radii)?);
         Some(Self { same, tree, boxes: OnceLock::new() })
     }
 
-    /// The order of these spheres, which is that of another renderer if it has one. `None` without spheres.
+    /// The order of these spheres, from another renderer if it has one. `None` without spheres.
     fn shared(shared: &Shared<Self>, spheres: &Spheres) -> Option<Arc<Self>> {
         let serves = |order: &Self| order.same.is_kept() && order.same.is_of(spheres, 0);
         shared.or_make(serves, || Self::new(spheres).ok_or(())).ok()

@@ -85,7 +85,7 @@ impl Plan {
         plan.kernel.t = settings.asks(&[Aov::Distance, Aov::Depth, Aov::Position]);
         plan.kernel.t |= plan.given.is_some() && settings.asks(&[Aov::Bound]);
         plan.kernel.normal = settings.asks(&[Aov::Normal]);
-        // Its pixels are those of a finer or larger frame.
+        // Its pixels belong to a finer or larger frame.
         plan.kernel.samples = matches!(scene.camera.lens, Lens::Intrinsics { .. });
         plan.sampled = plan.kernel_of_samples(scene, settings);
         if plan.sampled.is_some() {

@@ -121,7 +121,7 @@ impl FrameSetup {
     /// The setup where a device holds the spheres, whose sizes and distances have exponents within `sizes`.
     ///
     /// # Errors
-    /// Errors of [`View::new`], except those of the spheres.
+    /// Errors of [`View::new`], except errors of the spheres.
     fn resident(
         plan: Plan,
         scene: &Scene,
@@ -133,7 +133,7 @@ impl FrameSetup {
         let mut view = View::in_unit(scene, raster, Some(unit))?;
         let mut placer = Placer::new(scene, &view, tolerance)?;
         if placer.as_ref().is_some_and(|placer| !placer.is_same_in_units(sizes[1] + 1 - unit)) {
-            // What is projected depends on the unit: here it is that of the CPU path, which looks at every sphere.
+            // What is projected depends on the unit: here it is the unit of the CPU path, which looks at every sphere.
             view = View::for_rays(scene, raster, Records::None)?;
             placer = Placer::new(scene, &view, tolerance)?;
         }
@@ -190,7 +190,7 @@ impl FrameSetup {
         Ok(())
     }
 
-    /// The engine that finds the layers behind the first hits; `None` where that of the setup does.
+    /// The engine that finds the layers behind the first hits; `None` where the setup's engine does.
     ///
     /// # Errors
     /// Errors of [`BinnedScene::new`].

@@ -1,6 +1,6 @@
 //! Frames of more spheres than fit in memory. The spheres arrive in blocks. Each block is projected and compared with the
 //! depths that earlier blocks certainly cover, and what no ray of the frame can hit first is forgotten. The frame of what
-//! remains has the same bits as that of all spheres: docs/certificate.md, section 11.
+//! remains has the bits of the frame of all spheres: docs/certificate.md, section 11.
 
 mod digests;
 mod instances;
@@ -86,7 +86,7 @@ pub struct Stream {
 /// The remains of a stream: every sphere that some ray of the frame hits first.
 #[derive(Debug)]
 pub struct Visible {
-    /// The scene with these spheres alone. Its fingerprint is that of all spheres.
+    /// The scene with these spheres alone. Its fingerprint covers all spheres.
     pub scene: Scene,
     /// Their ids in the stream.
     pub ids: StreamIds,
@@ -104,7 +104,7 @@ pub struct StreamIds {
 }
 
 impl Stream {
-    /// A frame of `scene`, whose own spheres are not used; the planes of their cuts cut those of the stream.
+    /// A frame of `scene`, whose own spheres are not used; the planes of their cuts cut the spheres of the stream.
     ///
     /// # Errors
     /// [`Error::Settings`] for what needs all spheres at once: lights and a sky, and answers without a certificate;
@@ -142,7 +142,7 @@ impl Stream {
         })
     }
 
-    /// Adds the next spheres. Blocks of some 10^5 are fast. Those of
+    /// Adds the next spheres. Blocks of some 10^5 are fast. Blocks of
     /// `halfline_files::read::SphereBlocks` were checked by their reader, and others are checked here.
     ///
     /// # Errors
@@ -235,7 +235,7 @@ impl Stream {
         Ok(())
     }
 
-    /// The same for spheres all of which hide others, if they `cover`, or none.
+    /// The same for spheres that all hide others, if they `cover`; else none of them does.
     fn keep_some(&mut self, block: &Spheres, number: &impl Fn(usize) -> u64, cover: bool) -> Result<()> {
         if block.is_empty() {
             return Ok(());

@@ -102,7 +102,7 @@ impl<'a> Tracer<'a> {
         Self { renderer, spheres, plan, tree, warning, backend, on_host, tolerance, bounds, build_ms }
     }
 
-    /// The nearest hit of each ray. Certified and exact answers are those of exact arithmetic: t and distance within
+    /// The nearest hit of each ray. Certified and exact answers agree with exact arithmetic: t and distance within
     /// the promised relative error, the normal within 1e-3 rad.
     ///
     /// # Errors

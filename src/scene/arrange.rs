@@ -275,7 +275,7 @@ mod tests {
 
     #[test]
     fn what_is_clipped_away_is_known_before() {
-        // The copies of the centre 0, 0, 0 along the first edge are at 2 and 4, those of 1, 1, 1 at 3 and 5.
+        // The copies of the centre 0, 0, 0 along the first edge are at 2 and 4, the copies of 1, 1, 1 at 3 and 5.
         for (copies, clip, bead, nothing) in [
             ([1; 3], vec![[1.0, 0.0, 0.0, -1.0]], None, true),
             ([1; 3], vec![[1.0, 0.0, 0.0, 0.0]], None, false),

@@ -115,7 +115,7 @@ pub enum Lens {
         /// Row of the principal point.
         cy: f64,
     },
-    /// A lens with distortion, a fisheye or a panorama; its rays are those of [`Curve`], and it has no viewport. Its viewing rays are found
+    /// A lens with distortion, a fisheye or a panorama; its rays come from [`Curve`], and it has no viewport. Its viewing rays are found
     /// as given rays are ([`trace`](mod@crate::trace)).
     Curved {
         /// The model.
@@ -326,7 +326,7 @@ impl Camera {
         }
     }
 
-    /// The viewport of the rays about the axis: that of the focal lengths where the lens is curved, else [`Camera::viewport`].
+    /// The viewport of the rays about the axis: by the focal lengths where the lens is curved, else [`Camera::viewport`].
     ///
     /// # Errors
     /// Errors of [`Camera::viewport`].

@@ -246,7 +246,7 @@ impl Spheres {
         colors.map_or(DEFAULT_COLOR, |colors| colors[id as usize])
     }
 
-    /// The colours of all spheres, each followed by that of its face.
+    /// The colours of all spheres, each followed by the colour of the sphere's face.
     pub(crate) fn colors_and_faces(&self) -> Vec<[f32; 3]> {
         let mut both = vec![[0.0; 3]; 2 * self.len()];
         parallel::each(&mut both, |n, to| *to = self.color(n as u32 / 2, n % 2 == 1));

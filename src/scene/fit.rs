@@ -96,8 +96,8 @@ impl Camera {
         }
     }
 
-    /// The reach of these spheres to the sides of the view, relative to a point: that of another reach, so that both can be
-    /// joined, or the middle of the spheres. `None` without spheres. An `at` becomes the view.
+    /// The reach of these spheres to the sides of the view, relative to a point: the middle of the spheres, or the point of
+    /// another reach, to join both. `None` without spheres. An `at` becomes the view.
     ///
     /// # Errors
     /// As [`Camera::fit`].

@@ -122,7 +122,7 @@ impl SkyLight {
         self.sum(1.0, self.shares[cell] + (self.shares[cell + 1] - self.shares[cell]) * part)
     }
 
-    /// The sum of the colours in directions with weights: from the sum of the weights, and that of the weights times
+    /// The sum of the colours in directions with weights: from the sum of the weights, and the sum of the weights times
     /// [`Gradient::zenith`].
     #[inline(always)]
     pub(crate) fn sum(&self, weights: f32, zenith: f32) -> [f32; 3] {

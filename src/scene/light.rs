@@ -24,7 +24,7 @@ pub struct Lighting {
     pub lights: Vec<Light>,
     /// Whether the lights cast shadows in the picture. The buffer `shadow` holds them in any case.
     pub shadows: bool,
-    /// A sky, of which other spheres hide a part (ambient occlusion); `None` for no light from the sky.
+    /// A sky, a part of it hidden by other spheres (ambient occlusion); `None` for no light from the sky.
     pub sky: Option<Sky>,
     /// The most times that a ray goes on from mirrors and through glass, up to [`MOST_BOUNCES`]; `None` for [`BOUNCES`]
     /// where a material asks for it.
@@ -75,7 +75,7 @@ pub struct Sky {
     /// distance.
     pub reach: f64,
     /// Whether rays leave only from the hits of the centres of pixels, for all samples around. Otherwise rays leave from every
-    /// sample. In both cases few rays are joined by those of the pixels around that show the same sphere.
+    /// sample. In both cases few rays are joined by the rays of the pixels around that show the same sphere.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub at_centers: bool,
     /// Its colours; `None` for white.

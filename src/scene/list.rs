@@ -7,7 +7,7 @@ use std::fmt;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
-/// A list that owns its values, or shares those of others without copying them: of clones of a scene, or of memory that
+/// A list that owns its values, or shares the values of others without copying them: of clones of a scene, or of memory that
 /// another library manages. Reads as a slice; [`List::to_mut`] changes it.
 pub struct List<T>(Store<T>);
 
@@ -33,7 +33,7 @@ impl<T> List<T> {
         Self(Store::Foreign(values))
     }
 
-    /// A list that stands for a longer one, of which it has a part: its digest is that of the longer one.
+    /// A list that stands for a longer one and has a part of it: its digest is the digest of the longer one.
     pub(crate) fn part_of(values: Vec<T>, whole: Hash) -> Self {
         Self(Store::Kept(Arc::new(Kept { values, digest: OnceLock::from(whole), sound: OnceLock::new() })))
     }
@@ -69,7 +69,7 @@ impl<T> List<T> {
 }
 
 impl<T: Clone> List<T> {
-    /// The values for changing them; those of a shared list are copied first.
+    /// The values for changing them, copied first where the list is shared.
     pub fn to_mut(&mut self) -> &mut Vec<T> {
         if !matches!(self.0, Store::Own(_)) {
             self.0 = Store::Own(self.to_vec());
@@ -80,7 +80,7 @@ impl<T: Clone> List<T> {
         }
     }
 
-    /// The values; those of a shared list are copied.
+    /// The values, copied where the list is shared.
     #[must_use]
     pub fn into_vec(mut self) -> Vec<T> {
         std::mem::take(self.to_mut())

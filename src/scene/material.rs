@@ -4,7 +4,7 @@ use super::List;
 use halfline_ground::error::{Error, Place, Result, named};
 use serde::{Deserialize, Serialize};
 
-/// The reflection and transmission of light by a sphere. The sphere's colour is that of its diffuse reflection, and of
+/// The reflection and transmission of light by a sphere. The sphere's colour is the colour of its diffuse reflection, and of
 /// a metal's mirror image.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Material {

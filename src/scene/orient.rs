@@ -116,7 +116,7 @@ impl Spread {
         }
     }
 
-    /// The direction that shows the largest face: the axis of the least spread points to the eye, and that of the largest
+    /// The direction that shows the largest face: the axis of least spread points to the eye, and the axis of the largest
     /// lies across the image, or upright where `is_tall`.
     ///
     /// Axes whose spreads differ by less than 5 % are not distinguished. Of three such axes (a capsid) the view is

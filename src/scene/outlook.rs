@@ -21,7 +21,7 @@ pub struct Outlook {
     area: u32,
 }
 
-/// A focus of which less than this share is seen has a warning.
+/// A focus has a warning if less than this share of it is seen.
 const HIDDEN: f64 = 0.5;
 
 impl Outlook {

@@ -126,7 +126,7 @@ mod tests {
         [high.to_bits(), low.to_bits()]
     }
 
-    /// Compares the hits of eight rays together with those of each ray alone. Returns the number of hits, and of hits
+    /// Compares the hits of eight rays together with the hits of each ray alone. Returns the number of hits, and of hits
     /// from inside.
     struct Compare(Rng);
 

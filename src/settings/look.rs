@@ -68,7 +68,7 @@ pub struct ChosenLook {
     pub look: Look,
     /// Samples per pixel.
     pub samples: u32,
-    /// Whether neither an option nor the file asks for this look: it is that of particles.
+    /// Whether neither an option nor the file asks for this look: it is the look of particles.
     pub is_default: bool,
 }
 
@@ -76,8 +76,8 @@ impl FileLook {
     /// The look of a file of particles.
     pub const PARTICLES: Self = Self { is_particles: true, look: None, samples: None };
 
-    /// The look of a picture for which options ask for this look, these samples and this shading: that of the options, then
-    /// the file's; particles have the look `soft` unless a shading is given. Without a picture nothing of a look is
+    /// The look of a picture for which options ask for this look, these samples and this shading: the options' look, then
+    /// the file's. Particles have the look `soft` unless a shading is given. Without a picture nothing of a look is
     /// computed.
     #[must_use]
     pub fn choose(
@@ -137,7 +137,7 @@ impl AddedLight {
             lights.push(Light::above_left(&scene.camera)?);
         }
         *shadows |= self.shadows;
-        // The sky of the scene comes before that of the look.
+        // The sky of the scene comes before the sky of the look.
         let own = *sky;
         *sky = match self.occlusion {
             Some(Some(rays)) => Some(Sky { rays, at_centers: false, ..own.unwrap_or_default() }),

@@ -1,4 +1,4 @@
-//! The viewing rays of a curved lens: those of a window, computed once for each sample.
+//! The viewing rays of a curved lens: the rays of a window, computed once for each sample.
 
 use super::records::ViewRecord;
 use crate::scene::camera::CurvedFrame;
@@ -18,7 +18,7 @@ impl CurvedView {
         Self { frame, directions: parallel::from_fn(record.pixels(), direction) }
     }
 
-    /// The direction of the ray of a row and a column of the record's frame, which is that of the sample of a pixel of the window.
+    /// The direction of the ray of a row and a column of the record's frame, the place of a sample of a pixel of the window.
     pub(super) fn direction(&self, record: &ViewRecord, place: [u32; 2]) -> [f64; 3] {
         let [row, column] = record.pixel_of(place);
         let pixel = (row - record.first_row) * record.columns + column - record.first_column;

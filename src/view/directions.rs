@@ -1,5 +1,5 @@
-//! Directions toward the sky and points of a disc, for rays from a hit: evenly spread sets, of which each sample of a pixel
-//! takes its part, and which are turned at random for each pixel.
+//! Directions toward the sky and points of a disc, for rays from a hit: evenly spread sets, which are turned at random for
+//! each pixel. Each sample of a pixel takes its part of a set.
 //!
 //! A set is made once per frame. The turn of a disc is a hash of the pixel's row and column in the full frame and the
 //! seed, so that crops, tiles and frames agree; the same hash chooses one of the turns of a sky, which are made with
@@ -103,7 +103,7 @@ fn at_turn(share: f64) -> [f64; 2] {
 /// of the normal n. The lattice and its mirror image together are evenly spread on the sphere, so that is so for every n.
 ///
 /// S = n x n samples share a lattice that is n times finer both in height and in angle: in these coordinates, which keep
-/// areas, it is a lattice of the same shape. Each sample has one of the n x n copies of the coarse lattice in it: that of row
+/// areas, it is a lattice of the same shape. Each sample has one of the n x n copies of the coarse lattice in it. The copy of row
 /// i and column j has the heights (k + (i + 1/2)/n)/R at k + i/n golden angles and j/n of a turn. So what one sample takes
 /// is as evenly spread as R directions alone, for every n. (Every S-th direction of one spiral is not: with S = 144, for
 /// example, these lie on one meridian.)
@@ -122,7 +122,7 @@ fn at_turn(share: f64) -> [f64; 2] {
 /// of the sphere of area 2 pi/N. A cell that is all open or all hidden has almost no error. The edge of a cap crosses a
 /// number of cells proportional to sqrt N, each with an error proportional to 1/N and almost independent of the others,
 /// so the standard error is proportional to N^(1/4 - 1). Where many small spheres hide the sky, their edges cross more
-/// cells, up to all of them; then the error is about that of independent directions.
+/// cells, up to all of them; then the error is about the error of independent directions.
 ///
 /// In a picture the pixels of a square share a lattice in the same way ([`Self::interleaved`]; Keller and Heidrich, *Interleaved
 /// Sampling*, 2001), so that what is put together from neighbours is as evenly spread as what is put together from samples.
@@ -147,8 +147,8 @@ pub(crate) struct SkyDirections {
 /// Pixels after which interleaved directions repeat, in columns and rows; a power of two. Also in shaders/main/sky.wgsl.
 const PERIOD: u32 = 8;
 
-/// The number below [`PERIOD`] with the bits of `place` in reverse: neighbours differ by as much as they can, and those of
-/// every square of a power of two are evenly spread.
+/// The number below [`PERIOD`] with the bits of `place` in reverse: neighbours differ by as much as they can, and the numbers
+/// of every square of a power of two are evenly spread.
 fn reversed(place: u32) -> u32 {
     place.reverse_bits() >> (32 - PERIOD.trailing_zeros())
 }
@@ -220,8 +220,8 @@ impl SkyDirections {
         Self { turned, count: lattice.len(), is_interleaved: false }
     }
 
-    /// One direction for this sample, such that those of all samples are evenly spread on the whole sphere: neighbours of
-    /// the lattice lie on opposite sides.
+    /// One direction for this sample, such that the directions of all samples are evenly spread on the whole sphere: neighbours
+    /// of the lattice lie on opposite sides.
     pub(crate) fn one(strata: u32, sample: u32) -> Self {
         let mut one = Self::new(1, strata, sample);
         if (sample / strata + sample % strata) % 2 == 1 {
@@ -322,7 +322,7 @@ impl DiscPoints {
 
 /// The point of the unit disc of a lens that this sample of all pixels leaves from. The points of `strata` x `strata`
 /// samples are Vogel's spiral, turned by `seed`. Row and column of the sample within the pixel choose a ring of it and a
-/// place in the ring, such that the samples of each row, and those of each column, have all rings and all places.
+/// place in the ring, such that the samples of each row, and of each column, have all rings and all places.
 pub(crate) fn lens_point(strata: u32, sample: u32, seed: u32) -> [f64; 2] {
     let (row, column) = (sample / strata, sample % strata);
     let place = strata * ((row + column) % strata) + (row + 2 * column) % strata;

@@ -178,7 +178,7 @@ impl<'a> PictureRays<'a> {
         }
     }
 
-    /// The hit for a row and a column of the view's frame. It has no branches where `kind`, that of the view, is a constant, so that
+    /// The hit for a row and a column of the view's frame. It has no branches where `kind`, the kind of the view, is a constant, so that
     /// compilers make vectors of loops over it.
     #[inline(always)]
     pub(crate) fn hit_at(&self, kind: RayKind, position: [u32; 2], center: [f64; 3], radius: f64) -> PictureHit {
@@ -221,8 +221,8 @@ impl<'a> PictureRays<'a> {
         hits
     }
 
-    /// Writes the depth of each hit along the view axis, for a curved lens along the ray, in the scene's unit: that of the pixels from
-    /// `first` on, which show the spheres `ids`; +inf on a miss.
+    /// Writes the depth of each hit along the view axis, for a curved lens along the ray, in the scene's unit; +inf on a miss. The hits
+    /// are in the pixels from `first` on, which show the spheres `ids`.
     pub(crate) fn depths(&self, first: u32, ids: &[u32], spheres: &Spheres, depths: &mut [f64]) {
         match self.view.kind() {
             RayKind::Parallel => vectorized!(self.depths_of(RayKind::Parallel, first, ids, spheres, depths)),
@@ -246,7 +246,7 @@ impl<'a> PictureRays<'a> {
     pub(crate) fn write_depths(&self, hits: &PictureHits, ids: &[u32], depths: &mut [f64]) {
         let (mut found, unit) = (hits.depth, self.view.unit);
         if let -1022..=1023 = unit {
-            // One product, of which compilers make a vector.
+            // One product; compilers make a vector of it.
             let factor = dd::ldexp(1.0, unit);
             found.iter_mut().for_each(|found| *found *= factor);
         } else {

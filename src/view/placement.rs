@@ -77,7 +77,7 @@ impl Placement {
         self.middle
     }
 
-    /// A point in the tree's coordinates, within [`PLACED`] for those of the scene.
+    /// A point in the tree's coordinates, within [`PLACED`] for points of the scene.
     #[inline(always)]
     pub(crate) fn point(&self, p: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|n| self.difference(p[n], self.middle[n]))

@@ -116,7 +116,8 @@ impl ViewRecord {
         (self.columns >= COUNT).then(|| self.place(first)).filter(is_within)
     }
 
-    /// Rows and columns in the finer frame of the rays of [`LANES`] pixels of the window from this index on; beyond its end those of its last.
+    /// Rows and columns in the finer frame of the rays of [`LANES`] pixels of the window from this index on; beyond
+    /// its end, of its last pixel.
     #[inline(always)]
     pub(crate) fn positions(&self, first: u32) -> [[u32; LANES]; 2] {
         let [mut rows, mut columns] = [[0; LANES]; 2];
@@ -159,13 +160,13 @@ impl ViewRecord {
         self.strata * self.jitter * self.step
     }
 
-    /// Row and column of the image's pixel of a ray, from those of the ray in the finer frame.
+    /// Row and column of the image's pixel of a ray, from the row and column of the ray in the finer frame.
     #[inline(always)]
     pub(crate) fn pixel_of(&self, [row, column]: [u32; 2]) -> [u32; 2] {
         [(row - self.shift_row) / self.fine(), (column - self.shift_column) / self.fine()]
     }
 
-    /// Whether the rays are those of a frame whose pixels are the image's.
+    /// Whether the rays belong to a frame whose pixels are the image's.
     #[inline(always)]
     pub(crate) fn is_plain(&self) -> bool {
         self.fine() == 1 && [self.shift_column, self.shift_row] == [0; 2]

@@ -1,4 +1,4 @@
-//! The promise of a crop: in every buffer, the pixels of a window are those of the full frame, bit for bit on one adapter.
+//! The promise of a crop: in every buffer, the pixels of a window are the full frame's, bit for bit on one adapter.
 //!
 //! Gold standard: the full frame, cut here. Tolerance: none on any adapter, because a pixel's operations do not depend on
 //! the other pixels that are rendered.

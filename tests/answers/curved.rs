@@ -156,7 +156,7 @@ fn a_lens_without_distortion_makes_the_frames_of_a_pinhole() {
     }
 }
 
-/// Crops have the pixels of the whole frame, and adapters those of the CPU path.
+/// Crops have the pixels of the whole frame, and adapters the pixels of the CPU path.
 #[test]
 fn crops_and_adapters_agree_on_curved_lenses() {
     let crop = Window { x0: 13, y0: 9, x1: 61, y1: 44 };
@@ -258,7 +258,7 @@ fn fisheyes_and_panoramas_show_what_their_formulas_say() {
     }
 }
 
-/// Shadows are those of exact arithmetic over all spheres, and the picture is what the lights that are seen give by Lambert's law.
+/// Shadows agree with exact arithmetic over all spheres, and the picture is what the lights that are seen give by Lambert's law.
 #[test]
 fn shadows_behind_a_curved_lens_are_exact() {
     for lens in lenses() {

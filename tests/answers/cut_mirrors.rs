@@ -1,8 +1,8 @@
 //! The promise of mirrors and glass among planes that cut spheres: they show and bend what the planes leave, and a ray inside of cut glass
 //! leaves by its face.
 //!
-//! Gold standard: a ray tracer of this file, which tests every sphere by the rule in f64, without trees and without bounds. First hits are
-//! those of the judge.
+//! Gold standard: a ray tracer of this file, which tests every sphere by the rule in f64, without trees and without bounds. First hits come
+//! from the judge.
 
 use crate::adapter::renderers;
 use crate::cloud::cloud;

@@ -359,7 +359,7 @@ fn faces_have_lines_around_them() {
     }
 }
 
-/// The samples of a pixel see the cut as its centre does: where all around is one sphere, its colour is that of the sphere.
+/// The samples of a pixel see the cut as its centre does: where all around is one sphere, its colour is the sphere's.
 #[test]
 fn samples_of_cut_spheres_are_cut() {
     let scene = halved(vfov(45.0));
@@ -388,7 +388,7 @@ fn samples_of_cut_spheres_are_cut() {
     }
 }
 
-/// Lights and sky at the hits of cut scenes: shadows of single rays are those of the judge, and all others those of a frame whose every ray
+/// Lights and sky at the hits of cut scenes: shadows of single rays agree with the judge, and all others with a frame whose every ray
 /// the judge decides. With spared spheres beyond planes, from far away, from inside, by parallel rays.
 #[test]
 fn light_at_cut_spheres_is_exact() {
@@ -424,7 +424,7 @@ fn light_at_cut_spheres_is_exact() {
                 let judge = Judge::new(&scene).expect("a scene");
                 let (renderer, what) = (&mut cpu(), format!("{seed} {at:?} {name} {lens:?} {}", may.is_some()));
                 let found = renderer.render(&scene, &settings).expect("a frame");
-                // A ray that the judge decides takes a thousand times as long: those of a part.
+                // A ray that the judge decides takes a thousand times as long: only rays of a part.
                 let window = Window { x0: 20, y0: 13, x1: 32, y1: 19 };
                 let exact = Settings { accuracy: Accuracy::Exact, window: Some(window), ..settings.clone() };
                 let exact = renderer.render(&scene, &exact).expect("a frame");

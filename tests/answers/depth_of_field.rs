@@ -1,7 +1,7 @@
-//! The promises of a lens with a size: colour and coverage are those of rays from points of the lens through the places of the
-//! pinhole's samples in the plane of focus; all other buffers are the pinhole's; crops, seeds and adapters as without it.
+//! The promises of a lens with a size. Colour and coverage come from rays from points of the lens through the places of the
+//! pinhole's samples in the plane of focus. All other buffers are the pinhole's; crops, seeds and adapters as without it.
 //!
-//! Gold standards: that sentence in f64, written here (the hash of positions, the spiral of the lens and the quadratic), and
+//! Gold standards: these rays in f64, here (the hash of positions, the spiral of the lens and the quadratic), and
 //! the size of a disc of blur by similar triangles.
 
 use crate::adapter::{cpu, gpu_or_skip};

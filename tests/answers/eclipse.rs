@@ -32,7 +32,7 @@ struct Eclipse {
     axis: DVec3,
 }
 
-/// The cones inside of which the Sun is hidden, completely or in part.
+/// The cones in which the Sun is hidden, completely or in part.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Shadow {
     Umbra,
@@ -79,8 +79,8 @@ impl Eclipse {
         (from - self.axis * from.dot(self.axis)).normalize()
     }
 
-    /// The extent along the ground in the plane of symmetry: the great circle between the two lines of the cone there, each
-    /// of which touches the Moon on one side.
+    /// The extent along the ground in the plane of symmetry: the great circle between the two lines of the cone there; each
+    /// line touches the Moon on one side.
     fn extent(&self, shadow: Shadow) -> f64 {
         let distance = (self.moon.center - self.sun.center).length();
         // The umbra's lines touch both spheres on one side, the penumbra's on opposite sides.

@@ -1,4 +1,4 @@
-//! Certified and exact frames at the ends of f64 equal those of the lecture's formulas in hundreds of digits.
+//! Certified and exact frames at the ends of f64 equal the frames of the lecture's formulas in hundreds of digits.
 //!
 //! The fixture is made by `python3 tests/truth/frames.py`, which shares neither the camera's basis nor the exact arithmetic
 //! with the program. Its families, by the letter of the name:

@@ -1,5 +1,5 @@
-//! The promise: certified given rays are those of exact arithmetic: which sphere is hit first, if any, t within 1e-5 of
-//! itself, the normal within 1e-3 rad, within exact limits; in any order, from a tree or without.
+//! The promise: certified given rays agree with exact arithmetic: which sphere is hit first, if any, t within 1e-5 of
+//! itself, the normal within 1e-3 rad, within exact limits. This holds in any order, from a tree or without.
 
 use crate::adapter::{cpu, renderers};
 use crate::given_families::{Family, families};

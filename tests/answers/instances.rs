@@ -178,7 +178,7 @@ fn clipped_copies_samples_and_windows_have_the_same_bits() {
     }
 }
 
-/// Planes through groups of copies, of which most lie on one side; one that removes all but a few, one that removes all, one that cuts none.
+/// Planes through groups of copies, most of them on one side; one that removes all but a few, one that removes all, one that cuts none.
 #[test]
 fn cut_copies_have_the_bits_of_cut_spheres_in_memory() {
     let plane = |normal: [f64; 3], distance| CutPlane { normal, distance };

@@ -354,7 +354,7 @@ fn mirrors_show_translucent_spheres_as_opaque() {
     assert!(colors_with(0.25, &mut cpu) == colors_with(1.0, &mut cpu));
 }
 
-/// The frame of what a stream or parts keep is that of all spheres.
+/// The frame of what a stream or parts keep equals the frame of all spheres.
 #[test]
 fn streams_and_parts_keep_the_spheres_behind_translucent_ones() {
     let mut spheres = cloud(6, 9000, [0.0; 3], 1.0, 0.02);
@@ -413,7 +413,7 @@ fn nearly_opaque_spheres_look_opaque() {
         let off: Vec<f64> = a.iter().zip(b).map(|(a, b)| f64::from((a - b).abs())).collect();
         let most = off.iter().copied().fold(0.0, f64::max);
         let mean = off.iter().sum::<f64>() / off.len() as f64;
-        // Samples under a sky take the rays of pixels around them, of which a layer has others: 0.0022 in the mean of all pixels here,
+        // Samples under a sky take the rays of pixels around them, and a layer has other rays. Found: 0.0022 in the mean of all pixels here,
         // and 0.013 with the rays of another layer.
         let is_near = if settings.sky(&ghosts).is_some() { mean < 0.005 } else { most < 2f64.powi(-18) };
         assert!(is_near, "{what}: {most}, mean {mean}");

@@ -61,7 +61,7 @@ fn ids_of_page(adapter: &wgpu::Adapter, scene: &Scene) -> Vec<i32> {
     page::render(scene, adapter).expect("a picture").iter().map(|pixel| pixel[3] as i32).collect()
 }
 
-/// The pixels whose ids differ, each of which must be one that the bound leaves open.
+/// The pixels whose ids differ; the bound must leave each of them open.
 fn differing(scene: &Scene, a: &[i32], b: &[i32]) -> usize {
     assert_eq!(a.len(), b.len());
     let differ: Vec<_> = (0..a.len()).filter(|n| a[*n] != b[*n]).collect();

@@ -388,7 +388,7 @@ fn shadow(scene: &Scene, seed: u32) -> f64 {
     let found = frame(scene, &[Aov::Shadow, Aov::Color], |settings| settings.seed = seed);
     assert_eq!(found.ids(), [0], "the sphere below is seen");
     let (share, color) = (found.f32(Aov::Shadow).expect("requested")[0], found.f32(Aov::Color).expect("requested")[0]);
-    // What is not hidden is reflected, with cosines between 1 and that of the light's angular radius of 0.05.
+    // What is not hidden is reflected, with cosines between 1 and the cosine of the light's angular radius of 0.05.
     assert!(color <= 1.0 - share + 1e-6 && color >= (1.0 - share) * (1.0 - 0.00126), "{color} of {}", 1.0 - share);
     f64::from(share)
 }

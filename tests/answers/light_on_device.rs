@@ -53,7 +53,7 @@ impl Shares {
         }
     }
 
-    /// The mean share of hits in those frames whose rays the adapter traced, and the number of frames of which it traced none.
+    /// The mean share of hits in those frames whose rays the adapter traced, and the number of frames whose rays it did not trace.
     fn done(self, most_left: u32) -> (f64, u32) {
         let (mean, others) = (self.sum / f64::from(self.frames), self.both.compared - self.frames);
         println!(

@@ -187,7 +187,7 @@ fn an_image_is_a_part_of_the_one_around_its_principal_point() {
     }
 }
 
-/// Coverage of 64 samples beside that of a fine grid of rays by the pinhole camera.
+/// Coverage of 64 samples beside the coverage of a fine grid of rays by the pinhole camera.
 #[test]
 fn samples_cover_the_pixels_of_the_pinhole_camera() {
     let mut renderers = vec![("CPU path", cpu())];

@@ -18,7 +18,7 @@ use halfline::shade::Shade;
 use halfline::window::Window;
 use halfline::{Camera, Lens};
 
-/// A small image of the scene, with a light: shadows need one, and with that of the file every sample would have a ray to it.
+/// A small image of the scene, with a light: shadows need one, and with the file's light every sample would have a ray to it.
 fn weekend() -> Scene {
     let mut scene = weekend::weekend();
     (scene.image.width, scene.image.height) = (61, 43);
@@ -85,7 +85,7 @@ fn gpu_and_cpu_agree_on_samples() {
 #[test]
 fn other_buffers_have_the_values_at_the_pixels_centre() {
     for (backend, mut renderer) in renderers() {
-        // The kernel of samples is another one, which other adapters may round in another way: certified ids are those of any kernel.
+        // The kernel of samples is another one, which other adapters may round in another way: certified ids are the same in any kernel.
         let strict = backend == Backend::Cpu || is_strict(&renderer);
         for method in [None, Some(Method::Stable)].into_iter().take(if strict { 2 } else { 1 }) {
             let settings = |samples| Settings { method, shade: Shade::Flat, ..sampled(samples, 0) };

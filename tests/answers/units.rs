@@ -25,7 +25,7 @@ fn scene(rng: &mut Rng, most: i32) -> Scene {
     let span = if rng.below(3) == 0 { 0 } else { between(rng, 0, most) };
     // A pixel is 2^-4 of this as a slope, and lengths of it are out of range below 2^-80 of the unit.
     let exponent = if rng.below(4) > 0 { between(rng, -94, -20) } else { between(rng, -100, 0) };
-    // Many deep ones: some are hidden, in range in the unit of their part and not in that of all.
+    // Many deep ones: some are hidden, in range in the unit of their part and not in the unit of all.
     let is_deep = rng.below(2) == 0;
     let (span, count) = if is_deep { (most, between(rng, 150, 250)) } else { (span, between(rng, 2, 100)) };
     let narrow = 2f64.powi(exponent);
@@ -80,7 +80,7 @@ fn an_adapter_has_the_bits_of_the_cpu_path_in_any_unit() {
     both.done(most);
 }
 
-/// The spheres that a stream keeps of those of a scene, in blocks of 7; an error if they are too far apart.
+/// The spheres that a stream keeps of a scene's spheres, in blocks of 7; an error if they are too far apart.
 fn streamed(scene: &Scene) -> Result<Visible> {
     let mut stream = Stream::new(scene, &settings())?;
     blocks(&scene.spheres, 7).try_for_each(|block| stream.add(&block))?;

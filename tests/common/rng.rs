@@ -1,4 +1,4 @@
-//! The random generator of all tests: that of the library's suites, extended by random integers.
+//! The random generator of all tests: the generator of the library's suites, extended by random integers.
 
 use halfline_measure::suite::Random;
 

@@ -1,4 +1,4 @@
-//! Several files in one frame: the spheres of each are those of the file alone.
+//! Several files in one frame: the spheres of each equal the spheres of the file alone.
 
 use halfline_files::read::{ColumnValue, Hold, Keep, ParticleOptions, Periodic, ReadOptions, SceneFrame, Sequence};
 use std::path::{Path, PathBuf};
@@ -112,7 +112,7 @@ fn frames_of_several_files_go_in_step_and_a_still_is_in_all() {
         (still, vec![still], vec![vec![2.0; 6]]),
     ] {
         assert_eq!(depths(path, "1-", &added), expected, "{} and {added:?}", path.display());
-        // A frame read alone is that of the film.
+        // A frame read alone equals the film's frame.
         for (number, frame) in expected.iter().enumerate() {
             assert_eq!(depths(path, &(number + 1).to_string(), &added), vec![frame.clone()], "frame {number}");
         }

@@ -177,7 +177,7 @@ fn a_topology_gives_what_frames_lack_by_id() {
         for (number, frame) in
             read(&path, &ParticleOptions { identity: identity.clone(), ..with.clone() }).expect("ok").iter().enumerate()
         {
-            // Oxygen has the serial 1, nitrogen 2, carbon 3; by rows they are those of the file.
+            // Oxygen has the serial 1, nitrogen 2, carbon 3; by rows they keep the file's order.
             let expected: &[(&str, f64)] = match identity {
                 Identity::Row => &[("A", 1.7), ("B", 1.52), ("C", 1.55)],
                 _ => &[("B", 1.52), ("C", 1.55), ("A", 1.7)],

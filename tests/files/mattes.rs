@@ -83,7 +83,7 @@ fn a_damaged_file_with_layers_is_refused() {
         damage(&mut damaged, &bytes, &mut rng);
         damaged.extend(rest);
         read += usize::from(FrameFile::from_bytes(&damaged, "a.exr").is_ok());
-        // Words of the provenance have no hash; one without the hash of the pixels is that of an earlier version.
+        // Words of the provenance have no hash; provenance without the hash of the pixels is from an earlier version.
         let found = ImageFile::from_bytes(&damaged, "a.exr").ok();
         if let Some(file) = found.filter(|file| file.head.provenance.pixels().is_some()) {
             assert!(file.head.mattes == whole.head.mattes && file.samples == whole.samples, "{n}");

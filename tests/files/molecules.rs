@@ -1,7 +1,7 @@
 //! The promise of the molecules' readers on entries of the Protein Data Bank: they read the atoms, positions and elements that
 //! gemmi 0.7.5 (github.com/project-gemmi/gemmi) reads, and build the assemblies that it builds.
 //!
-//! The entries are those of ../shared/data and of the package MDAnalysisTests (`tests/real_files`), as far as present.
+//! The entries come from ../shared/data and from the package MDAnalysisTests (`tests/real_files`), as far as present.
 
 use crate::data::real_or_skip;
 use halfline::quote::setting::ASSEMBLY;
@@ -36,7 +36,7 @@ fn close(sums: [f64; 3], expected: [f64; 3], n: usize) -> bool {
     sums.iter().zip(expected).all(|(a, b)| (a - b).abs() <= rounding)
 }
 
-/// The file, its atoms, those of carbon, nitrogen, oxygen and sulphur, and the sums of the coordinates, by gemmi.
+/// The file, its atoms, the atoms of carbon, nitrogen, oxygen and sulphur, and the sums of the coordinates, by gemmi.
 type Entry = (&'static str, usize, [usize; 4], [f64; 3]);
 
 const ENTRIES: [Entry; 7] = [

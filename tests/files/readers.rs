@@ -161,7 +161,7 @@ reach = 2.5
 ";
     let folder = folder(&[("a.csv", CSV.as_bytes())]);
     let path = folder.path().join("s.toml");
-    // The spheres that a light may name include those of files, wherever the tables are.
+    // The spheres that a light may name include the spheres of files, wherever the tables are.
     std::fs::write(&path, format!("{TOML}{lines}[[spheres]]\nfile = 'a.csv'\n")).expect("written");
     let Lighting { lights, shadows, sky, .. } =
         halfline_files::read::scene(&path, &ReadOptions::default()).expect("a scene").scene.lighting;
@@ -370,8 +370,8 @@ fn fingerprint(scene: &Scene) -> String {
     blake3::hash(text.as_bytes()).to_hex()[..16].to_owned()
 }
 
-/// The generated scenes equal the real ones within the six digits of their files, of which this test knows the fingerprints; files
-/// that are here must have them.
+/// The generated scenes equal the real ones within the six digits of their files. This test knows the fingerprints of the files;
+/// files that are here must have them.
 #[test]
 fn the_databases_real_files_hold_the_same_scenes() {
     const FINGERPRINTS: [(&str, &str); 4] = [

@@ -62,7 +62,7 @@ pub struct NamedLens {
     /// Coefficients in the order of the option.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coefficients: Option<[f64; 8]>,
-    /// Half of the height of what is seen at the distance 1, for moves of the camera: that of a plane with the pixels of the middle.
+    /// Half of the height of what is seen at the distance 1, for moves of the camera: on a plane with the pixels of the middle.
     pub half: f64,
 }
 
@@ -117,7 +117,7 @@ impl TryFrom<Written> for Pose {
             (None, None, Some(named)) => Lens::Named(named),
             _ => return Err("a camera has either vfov, height or lens"),
         };
-        // Those of a named lens are checked with the options that it becomes.
+        // The numbers of a named lens are checked with the options that it becomes.
         let numbers = [eye, at, up].into_iter().flatten().chain(vfov).chain(height);
         if !numbers.into_iter().all(f64::is_finite) {
             return Err("the numbers of a camera are finite");
@@ -154,7 +154,7 @@ pub enum Mode {
     Pdf,
 }
 
-/// Options that replace those of the scene, by their identifiers: the values of each, one for every time that it is given. An option
+/// Options that replace options of the scene, by their identifiers: the values of each, one for every time that it is given. An option
 /// without values is taken away.
 pub type Options = BTreeMap<String, Vec<String>>;
 

@@ -22,7 +22,7 @@ pub(super) struct FrameComparison<'a> {
 }
 
 impl<'a> FrameComparison<'a> {
-    /// `tolerance` is the largest allowed difference, `share` that of the pixels of a buffer that may exceed it.
+    /// `tolerance` is the largest allowed difference, `share` the largest share of the pixels of a buffer that may exceed it.
     pub(super) fn of(
         a: &'a FrameFile,
         b: &'a FrameFile,

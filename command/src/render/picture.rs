@@ -33,8 +33,8 @@ use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// Messages on standard error, each once for all pictures. A warning that differs in its numbers only from that of an earlier
-/// picture is not printed again.
+/// Messages on standard error, each once for all pictures. A warning that differs from a warning of an earlier picture in its
+/// numbers only is not printed again.
 pub(crate) struct Messages<'a> {
     bar: Option<&'a Bar>,
     /// For each kind of message the first picture that has it, and what was printed for that, by their hashes.

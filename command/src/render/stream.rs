@@ -312,7 +312,7 @@ impl<'a> Source<'a> {
         camera.zoom(&mut frame.scene).map(|()| framing.is_some())
     }
 
-    /// The point to look at: that of `--at`, or the mean of the centres of the spheres that it selects, for which the file is read
+    /// The point to look at: the point of `--at`, or the mean of the centres of the spheres that it selects, for which the file is read
     /// twice.
     fn looked_at(&mut self, copied: Option<&InstancedScene>) -> Result<Option<DVec3>> {
         let text = match &self.args.camera.pose.at {
@@ -385,7 +385,7 @@ impl<'a> Source<'a> {
         Ok((bounds, SceneFacts::of(&blocks)))
     }
 
-    /// Whether the range of the colours is that of all particles and not known yet.
+    /// Whether the range of the colours is over all particles and not known yet.
     fn lacks_range(&self) -> bool {
         matches!(&self.options.style.coloring, Coloring::Column(scale) if scale.known_range().is_none())
     }
@@ -453,7 +453,7 @@ impl<'a> Source<'a> {
         Ok(facts)
     }
 
-    /// All blocks, as they are arranged, with those of their spheres that are looked at.
+    /// All blocks, as they are arranged, with their spheres that are looked at.
     fn read(
         &self,
         mut blocks: SphereBlocks,

@@ -177,7 +177,7 @@ pub(super) struct Cloud {
     points: u64,
     /// Rays without a hit, or beams without an echo.
     left_out: u64,
-    /// The largest difference between a coordinate in the file and that of the hit in f64.
+    /// The largest difference between a coordinate in the file and the coordinate of the hit in f64.
     rounding: f64,
     #[serde(skip)]
     farthest: f64,

@@ -1,4 +1,4 @@
-//! The rays of `halfline trace`: those of a file, or the beams of a pattern.
+//! The rays of `halfline trace`: rays of a file, or beams of a pattern.
 
 use crate::camera_args::PoseArgs;
 use crate::signals::go_on;
@@ -156,7 +156,7 @@ impl RaySource {
         }
     }
 
-    /// The next rays, about `most`, of a pattern those of whole beams; `None` after the last.
+    /// The next rays, about `most`, for a pattern in whole beams; `None` after the last.
     pub(super) fn next_block(&mut self, most: usize) -> Result<Option<RayBlock>> {
         let (lidar, basis, done) = match self {
             Self::File(reader) => return reader.next_block(most),

@@ -1,4 +1,4 @@
-//! The content of a page: scenes with their options, as bytes of which a page has a copy.
+//! The content of a page: scenes with their options, as bytes; a page has a copy of them.
 
 mod numbers;
 

@@ -1,4 +1,4 @@
-//! The controls of the page: options of the picture that it sets in place of those of the command line.
+//! The controls of the page: options of the picture that it sets in place of options of the command line.
 
 use super::given::{Given, GivenOption};
 use crate::option_table::{Call, call};
@@ -130,7 +130,7 @@ fn maps() -> Vec<String> {
 /// A slider that cuts along an axis, from its lower or its upper end. It begins where it removes nothing.
 fn slider(extent: &Value, axis: usize, is_lower: bool, help: &str) -> Value {
     let [low, high] = [0, 1].map(|end| extent[end][axis].as_f64().unwrap_or_default());
-    // The step is the greatest power of ten of which the edge has enough.
+    // The step is the greatest power of ten that gives the edge enough steps.
     let power = ((high - low) / STEPS).log10().floor();
     let exponent = if power.is_finite() { power as i32 } else { 0 };
     // Decimal numbers, so that the page has them in few digits.
@@ -159,7 +159,7 @@ mod tests {
 
     const FILM: &str = "3\nLattice=\"5 0 0 0 5 0 0 0 5\" Properties=species:S:1:pos:R:3:q:R:1\nC 0.5 0 0 1\nO 2 1 0 -0.25\nH 4 4 1 3\n";
 
-    /// The answers of a page with the file, and those of the same page in memory.
+    /// The answers of a page with the file, and of the same page in memory.
     fn both(folder: &tempfile::TempDir, options: &[(&str, &str)]) -> [ViewHandler; 2] {
         let file = folder.path().join("film.xyz");
         std::fs::write(&file, FILM).expect("a file");

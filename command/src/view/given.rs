@@ -11,7 +11,7 @@ use halfline::error::{Error, Result};
 use halfline_viewer::{FrameRequest, Lens, LensName, Mode, Options, Pose};
 use std::ffi::{OsStr, OsString};
 
-/// The colour of spheres that are selected on the page, and that of the others.
+/// The colour of spheres that are selected on the page, and of the others.
 const SELECTED: &str = "darkorange";
 const OTHERS: &str = "silver";
 
@@ -47,7 +47,7 @@ impl Given {
     /// # Errors
     /// [`Error::Settings`] for an option that a page does not have, with this mend, and errors of the configuration file.
     pub(crate) fn typed(command: &Command, own: &[&str], mend: &str) -> Result<(Self, ArgMatches)> {
-        // The first word is the name of the command, which is that of the program here.
+        // The first word is the name of the command, here the name of the program.
         let words = joined(all_arguments().iter().skip(1).cloned());
         let matches = command.clone().try_get_matches_from(words);
         let help = format!("use halfline {} --help", command.get_name());
@@ -107,7 +107,7 @@ impl Given {
         self.options.iter().chain(&self.camera).cloned().chain([all_frames()]).collect()
     }
 
-    /// The options of a picture in the order of the command: those given, those of the page, the colours of a selection, the camera.
+    /// The options of a picture in the order of the command: given options, options of the page, the colours of a selection, the camera.
     pub(super) fn options_of(&self, request: &FrameRequest) -> Vec<GivenOption> {
         let FrameRequest { camera, size, frame, select, options, .. } = request;
         let mut options = self.styled(select.as_deref(), options);
@@ -129,7 +129,7 @@ impl Given {
         options
     }
 
-    /// The same options, before them those of environment and configuration that they do not replace.
+    /// The same options, before them options of environment and configuration that they do not replace.
     pub(super) fn with_preferences(&self, options: Vec<GivenOption>) -> Vec<GivenOption> {
         let has = |id: &str| options.iter().any(|option| option.id == id);
         let is_replaced = |id: &str| match id {
@@ -168,7 +168,7 @@ impl Given {
         options
     }
 
-    /// The options that are typed, with those of the page and the colours of a selection.
+    /// The options that are typed, with options of the page and the colours of a selection.
     fn styled(&self, select: Option<&str>, options: &Options) -> Vec<GivenOption> {
         let mut all = self.options.clone();
         set(&mut all, options);
@@ -202,7 +202,7 @@ impl Given {
         words
     }
 
-    /// The name of the file that the copied command writes: never that of the scene.
+    /// The name of the file that the copied command writes: never the name of the scene.
     pub(super) fn output(&self) -> OsString {
         match std::path::Path::new(&self.scene).file_stem() {
             Some(stem) => [stem, OsStr::new("-view.png")].into_iter().collect(),
@@ -212,7 +212,7 @@ impl Given {
 }
 
 impl GivenOption {
-    /// An option whose name is that of its identifier.
+    /// An option with the name of its identifier.
     pub(super) fn new(id: &str, value: Option<OsString>) -> Self {
         Self { id: id.to_owned(), long: id.replace('_', "-"), value }
     }

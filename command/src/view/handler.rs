@@ -59,7 +59,7 @@ pub(super) struct ViewHandler {
 
 /// Parts that only a scene in memory has.
 struct Notebook {
-    /// The options of the lines that are copied, with those of reading.
+    /// The options of the lines that are copied, with the options of reading.
     copied: Given,
     /// The cell whose edges a picture may draw.
     edges: Option<Cell>,
@@ -148,7 +148,7 @@ impl ViewHandler {
         Ok(handler)
     }
 
-    /// Opens the device, and reads the frame with which the page begins; its camera is that of its picture by
+    /// Opens the device, and reads the frame with which the page begins; its camera is the camera of its picture by
     /// `halfline render`. Then requests are answered, and the frames of the file are counted.
     ///
     /// # Errors
@@ -161,7 +161,7 @@ impl ViewHandler {
         let first = self.given.frame.unwrap_or(1);
         let read = || read_first(Frames::new(words.clone(), parser.args(&words)?), &args, first);
         let (read, renderer) = both(read, || Renderer::new(&settings));
-        // Errors of the scene are reported before those of the adapter.
+        // Errors of the scene are reported before errors of the adapter.
         let (mut plain, mut summary, record) = read?;
         summary["controls"] = self.rows(&parser, &summary);
         let renderer = renderer?;
@@ -462,8 +462,8 @@ impl Stage for ViewHandler {
     }
 }
 
-/// Reads the first frame of the file, whose camera is that of all, and the one with which the page begins. Returns them with the summary of the
-/// scene and the record of `--camera-from`.
+/// Reads the first frame of the file, whose camera all frames have, and the frame with which the page begins. Returns them with the summary of
+/// the scene and the record of `--camera-from`.
 ///
 /// # Errors
 /// Errors of the options and of reading the file.

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 
 /// A content, and the renderer that a notebook or a page lends.
 pub struct MemoryScene {
-    /// The frames, and the options as those of the command.
+    /// The frames, and the options as options of the command.
     pub content: Content,
     /// The renderer, unless it failed.
     pub renderer: Arc<Mutex<Option<Renderer>>>,

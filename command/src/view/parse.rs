@@ -27,7 +27,7 @@ impl Parser {
         Self(Command::new("halfline").no_binary_name(true).subcommand(render))
     }
 
-    /// The options of these words, the first of which is `render`.
+    /// The options of these words, beginning with `render`.
     ///
     /// # Errors
     /// [`Error::Settings`] with clap's words.

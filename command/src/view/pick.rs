@@ -22,7 +22,7 @@ pub(super) fn pick(
     settings: &Settings,
     [x, y]: [u32; 2],
 ) -> Result<Option<(usize, Value)>> {
-    // The frame is that of the spheres that the ray comes close to.
+    // The frame has only the spheres that the ray comes close to.
     let projector = scene.camera.projector([scene.image.width, scene.image.height])?;
     let Some(ray) = projector.ray([x, y].map(|place| f64::from(place) + 0.5)) else { return Ok(None) };
     let near = near_ray(&scene.spheres, ray);
@@ -88,7 +88,7 @@ pub(super) fn describe(picked: &mut Value, columns: &Columns, id: usize) {
     picked["columns"] = all.filter_map(|name| Some((name.to_owned(), value(name)?))).collect();
 }
 
-/// The distance of the centres of two spheres: as they lie, and in a periodic cell that of their nearest images; `None` if there
+/// The distance of the centres of two spheres: as they lie, and in a periodic cell between their nearest images; `None` if there
 /// are no such spheres.
 pub(super) fn apart(spheres: &Spheres, cell: Option<&Cell>, [from, to]: [usize; 2]) -> Option<(f64, Option<f64>)> {
     let [from, to] = [*spheres.centers.get(from)?, *spheres.centers.get(to)?].map(DVec3::from_array);

@@ -89,7 +89,7 @@ fn value(form: Form, values: &[String]) -> String {
                     let (selection, value) = rule.rsplit_once('=').unwrap_or(("all", rule));
                     format!("{}: {}", text(selection), literal(value.trim()))
                 };
-                // Values for all spheres come first: those of selections are painted over them.
+                // Values for all spheres come first: values of selections are painted over them.
                 let (all, some): (Vec<&String>, _) = rules.iter().partition(|rule| !rule.contains('='));
                 let last = all.last().copied().into_iter();
                 format!("{{{}}}", last.chain(some).map(rule).collect::<Vec<_>>().join(", "))

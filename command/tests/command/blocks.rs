@@ -122,7 +122,7 @@ fn streamed_files_have_the_bytes_of_files_in_memory() {
         ("c.csv", format!("{CAMERA} --color-by v --range 0,1")),
         ("c.xyz", format!("{CAMERA} --radius-scale 0.01")),
         ("c.dump", format!("{CAMERA} --radius 0.012 --color-by v --range 0.2,0.8")),
-        // The range is that of all blocks: found by the pass that frames the camera, or by one of its own.
+        // The range is over all blocks: found by the pass that frames the camera, or by one of its own.
         ("c.csv", "--color-by v --legend l.svg".to_owned()),
         ("c.csv", format!("{CAMERA} --color-by v --log --legend l.svg")),
         ("c.dump", "--radius 0.012 --color-by x,y,z --map magma".to_owned()),
@@ -231,7 +231,7 @@ fn colored(name: &str, points: &[[f64; 3]], levels: &[[u16; 3]]) -> Vec<Colored>
         las.extend([0; 8]);
         las.extend(color.iter().flat_map(|c| c.to_le_bytes()));
         ply.extend(at.iter().flat_map(|x| x.to_le_bytes()));
-        // 8 bits are those of 16.
+        // Colours of 8 bits come from colours of 16.
         let [r, g, b] = color.map(|c| if c > 255 { (c / 257) as u8 } else { c as u8 });
         ply.extend(u32::from_be_bytes([0, r, g, b]).to_le_bytes());
         record.extend(at.iter().flat_map(|x| x.to_le_bytes()));
@@ -562,7 +562,7 @@ fn what_a_stream_cannot_do_is_an_error_with_its_mend() {
     assert!(!dir.files().keys().any(|name| name.ends_with(".png")), "no file is written");
 }
 
-/// A scene file with spheres of its own, some with colours, and those of files, some with colours.
+/// A scene file with spheres of its own, some with colours, and spheres of files, some with colours.
 #[test]
 fn a_scene_file_streams_with_the_files_that_it_names() {
     let rows = rows();

@@ -166,7 +166,7 @@ fn principal_points_may_lie_off_the_middle() {
     assert!((point[0] - 18.3717).abs() <= 1.0 / 512.0 && (point[1] - 16.2229).abs() <= 1.0 / 512.0, "{point:?}");
 }
 
-/// docs/film.md: what a list does not say of the image is that of the picture, and a picture of another size has its view.
+/// docs/film.md: the picture gives what a list does not say of the image, and a picture of another size has its view.
 #[test]
 fn lenses_belong_to_the_image_of_the_list_or_to_the_picture() {
     let dir = dir();

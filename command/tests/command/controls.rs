@@ -192,7 +192,7 @@ fn every_value_that_is_offered_is_taken() {
     }
 }
 
-/// A pick is that of the picture without what is cut off; the camera that fits it too.
+/// Picks and cameras that fit follow the picture without what is cut off.
 #[test]
 fn picks_and_fits_follow_the_clip_planes() {
     let dir = dir();

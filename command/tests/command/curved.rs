@@ -30,7 +30,8 @@ fn curved_lenses_are_planned_and_resumed() {
         assert_eq!((&plan["method"], &plan["search"]), (&json!("certified"), &json!("tree")));
         let text = dir.run(&format!("plan {options} --backend cpu")).text();
         assert!(text.contains("given rays") && text.contains("a tree certifies"), "{text}");
-        assert!(dir.run(&format!("plan {options} --wgsl")).text().contains("fn main"));
+        assert_eq!(dir.run(&format!("plan {options} --wgsl")).code, 2, "the host traces given rays");
+        assert!(dir.run(&format!("plan {options} --method stable --wgsl")).text().contains("fn main"));
         let resumed = |more: &str| {
             let lines = dir.render(&format!("{options} -o r%d.png --json --resume {more}")).json_lines();
             lines[0]["resumed"].as_bool().expect("a truth")

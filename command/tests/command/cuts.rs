@@ -7,7 +7,7 @@ use crate::test_dir::TestDir;
 const NESTED: &str = "x,y,z,radius,kind\n0,0,0,4,shell\n0,0,0,2,core\n0,0,9,1,far\n7,0,-3,1,near\n";
 const CAMERA: &str = "--eye 0,0,40 --at 0,0,0 --ortho 20 --size 100x100 --look plain --aov id=i.npy --aov depth=d.npy";
 
-/// Words, of which ~ stands for a blank.
+/// Words, in which ~ stands for a blank.
 fn words(line: &str) -> Vec<String> {
     line.split_whitespace().map(|word| word.replace('~', " ")).collect()
 }
@@ -115,7 +115,7 @@ fn given_rays_hit_faces() {
     let rays = "0,0,40,0,0,-1,inf\n3,0,40,0,0,-2,inf\n0,0,40,0,0,-1,39\n0,0,40,0,0,-1,40\n";
     let dir = TestDir::new(&[("n.csv", NESTED), ("s.toml", toml), ("r.csv", rays)]);
     let traced = |line: &str| dir.good(&words(&format!("trace {line} --rays r.csv -o -"))).text();
-    // The face of the core in that of the shell, at z = 1; a limit at the face excludes it.
+    // The face of the core in the face of the shell, at z = 1; a limit at the face excludes it.
     let hits = "id,t,distance,nx,ny,nz,certainty\n1,39.0,39.0,0.0,0.0,1.0,0\n0,19.5,39.0,0.0,0.0,1.0,0\n-1,inf,inf,0.0,0.0,0.0,";
     let plain = traced("n.csv --cut 0,0,1,1");
     assert!(plain.starts_with(hits) && plain.contains("\n1,39.0,39.0,0.0,0.0,1.0,0\n"), "{plain}");

@@ -1,5 +1,5 @@
-//! The promise of echoes: those of a brute force over all rays of a beam and all spheres in f64, with seeded noise of the
-//! requested distribution, the same in every format and whatever the blocks.
+//! The promise of echoes: they equal a brute force over all rays of a beam and all spheres in f64. They have seeded noise of
+//! the requested distribution, and are the same in every format and whatever the blocks.
 
 use crate::rng::Rng;
 use crate::test_dir::TestDir;
@@ -38,8 +38,8 @@ fn rows(dir: &TestDir, pattern: &str) -> Vec<Row> {
     rest.lines().map(|line| row(line).try_into().expect("11 numbers")).collect()
 }
 
-/// The rays of a cone by its definition in docs/trace.md: the axis, and 6 and 12 rays round it, each inside of which are
-/// 4 and 13 of 19 shares of the solid angle 2 pi (1 - cos(divergence/2)).
+/// The rays of a cone by its definition in docs/trace.md: the axis, and 6 and 12 rays round it. Inside their circles
+/// are 4 and 13 of 19 shares of the solid angle 2 pi (1 - cos(divergence/2)).
 fn cone([elevation, azimuth, divergence]: [f64; 3]) -> Vec<DVec3> {
     let [e, a, d] = [elevation, azimuth, divergence].map(f64::to_radians);
     let axis = DVec3::new(e.cos() * a.sin(), e.sin(), -e.cos() * a.cos());

@@ -137,7 +137,7 @@ fn gnu_parallel_makes_and_merges_the_tiles() {
     assert!(dir.get("out/full.png") == dir.get("one.png"));
 }
 
-/// The command of the Job, for each index, with another scene and a smaller picture; the image is that of this version.
+/// The command of the Job, for each index, with another scene and a smaller picture; the image is of this version.
 #[test]
 fn an_indexed_job_makes_the_tiles_of_one_picture() {
     let (dir, yaml) = (dir(), std::fs::read_to_string(script("kubernetes.yaml")).expect("a file"));

@@ -177,7 +177,7 @@ fn a_frame_alone_says_what_the_film_says() {
     assert!(stderr("2").contains(line), "{}", stderr("2"));
 }
 
-/// With --hold all the percentiles are those of the values of all frames, as those of NumPy.
+/// With --hold all the percentiles are over the values of all frames, as in NumPy.
 #[test]
 fn percentiles_of_a_film_are_those_of_all_frames() {
     let frame = |first: usize| {

@@ -90,7 +90,7 @@ fn stand_in(dir: &TestDir, script: &str) -> OsString {
 fn ffmpeg_gets_the_bytes_of_the_pictures_in_order() {
     let dir = dir();
     let path = stand_in(&dir, "for last; do :; done\nexec cat > \"$last\"");
-    // What is drawn into pictures is drawn into those of a film.
+    // What is drawn into pictures is drawn into pictures of a film.
     let drawn = "--size 160x120 --label {frame} --scale-bar";
     for options in ["--size 32x24", "--size 32x24 --repeat 2", "--size 32x24 --progress json", drawn] {
         dir.render(&format!("s.toml --spin 9 -o f.%d.png {options}"));

@@ -143,7 +143,7 @@ fn directions_in_words_are_those_of_the_help() {
         let across = cross(found, up);
         let close = |a: [f64; 3], b: [f64; 3]| dot(minus(a, b), minus(a, b)) < 1e-24;
         assert!(close(found, view) && close(across, right), "{word}: {found:?} {across:?}");
-        // The eye is before all atoms, the largest of which has a radius of 1.7.
+        // The eye is before all atoms; the largest atom has a radius of 1.7.
         assert!(places.iter().all(|place| dot(minus(*place, eye), found) > 1.7), "{word}");
     }
     // The largest face of the box is that towards y; its longest side is across the wider side of the image.
@@ -174,7 +174,7 @@ fn directions_in_words_are_those_of_the_help() {
     assert!(plan.contains("frames all spheres, along its principal axes (--view auto), beside the legend"), "{plan}");
 }
 
-/// The point in the middle of a picture is that of `--at`: the id of the atom there, or the way from the eye.
+/// The point in the middle of a picture is the point of `--at`: the id of the atom there, or the way from the eye.
 #[test]
 fn what_is_looked_at_is_in_the_middle() {
     let (dir, places) = dir();
@@ -323,7 +323,7 @@ fn a_legend_shows_elements_and_the_colours_of_selections() {
     let elements = drawn(&["--legend-in"]);
     assert!(elements.contains("legend right: element, C, N, O"), "no --color-by");
     let drawn_with = drawn(&["--legend-in", "--color", "element O=#ff00ff", "--color", "index 0=blue"]);
-    // Every oxygen has another colour now, so none has that of its element.
+    // Every oxygen has another colour now, so none has the colour of its element.
     assert!(drawn_with.contains("legend right: element, C, N, element O, index 0 ["), "rows of selections");
     assert!(drawn_with.contains("[255, 0, 255] [0, 0, 255]"), "their colours");
     let bar = drawn(&["--legend-in", "--color-by", "velo", "--color", "index 0=blue", "--color", "index 0=red"]);

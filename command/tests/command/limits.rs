@@ -114,7 +114,7 @@ fn any_number_of_rays_needs_the_same_memory() {
         };
         let least = (64..1024).step_by(8).find(|mib| traced("some.npy", *mib)).expect("enough memory");
         println!("{output}: {least} MiB");
-        // The 1,125,000 rays and hits more are 61 MiB, of which a half would be noticed. Blocks are traced while others are
+        // The 1,125,000 rays and hits more are 61 MiB; a half of them would be noticed. Blocks are traced while others are
         // read and written, so how many are alive at once, and what lies between them, differs from run to run: by 8 MiB on
         // an idle machine of 2 cores.
         assert!(traced("many.npy", least + 30), "{output}: some rays are traced in {least} MiB");

@@ -1,4 +1,4 @@
-//! The promise of radii and colours: they are those of the options, a legend shows their meaning, and invalid options are
+//! The promise of radii and colours: they follow the options, a legend shows their meaning, and invalid options are
 //! refused before anything is written.
 
 use crate::test_dir::TestDir;

@@ -3,7 +3,7 @@
 use crate::test_dir::TestDir;
 use serde_json::json;
 
-/// Two residues of which the second is behind a large atom of the first, and a table of named rows.
+/// Two residues, the second behind a large atom of the first, and a table of named rows.
 fn dir() -> TestDir {
     let atom = |n: u32, name: &str, residue: &str, id: u32, [x, y, z]: [f64; 3]| {
         format!("HETATM{n:5} {name:<4} {residue} A{id:4}    {x:8.3}{y:8.3}{z:8.3}  1.00  0.00           {name:>2}\n")

@@ -1,4 +1,4 @@
-//! The promise of `merge`: the merged file equals that of the full frame byte for byte, and tiles that do not belong
+//! The promise of `merge`: the merged file equals the file of the full frame byte for byte, and tiles that do not belong
 //! together are refused with their names.
 
 use crate::random_frames::{cut, frame, origin};

@@ -94,7 +94,7 @@ fn scene_files_give_spheres_opacities() {
     assert_ne!(dir.array("ghost.toml.npy"), dir.array("full.toml.npy"));
     dir.render("full.toml --opacity 0.5 -o both.npy");
     assert_ne!(dir.array("full.toml.npy"), dir.array("both.npy"), "the option is of all spheres");
-    // A file of spheres has one opacity, and its absence is that of a sphere.
+    // A file of spheres has one opacity, and its absence means the same as for a sphere.
     dir.put("ball.csv", "x,y,z,radius\n0.3,0.1,-1.5,0.3\n");
     let file = |opacity: &str| format!("{SCENE}[[spheres]]\nfile = \"ball.csv\"\nopacity = {opacity}\n");
     for (name, opacity) in [("ghost", "0.5"), ("full", "1")] {

@@ -1,5 +1,5 @@
-//! The promise of `halfline sift` and `render --visible`: the files of parts have the bytes of those of all spheres, and parts that
-//! do not belong together are refused.
+//! The promise of `halfline sift` and `render --visible`: the files of parts have the bytes of the files of all spheres, and parts
+//! that do not belong together are refused.
 
 use crate::numpy::npy_of;
 use crate::rng::Rng;
@@ -97,7 +97,7 @@ fn the_tolerance_is_that_of_the_parts() {
     }
 }
 
-/// The camera may be that of a scene file, whose spheres are not read.
+/// The camera may come from a scene file, whose spheres are not read.
 #[test]
 fn the_camera_may_be_that_of_a_scene() {
     let dir = dir();

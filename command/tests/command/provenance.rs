@@ -5,7 +5,7 @@ use crate::amount::amount;
 use crate::rng::Rng;
 use crate::test_dir::TestDir;
 
-/// Values of options; "" is the option alone. Those of a scene file and of particles.
+/// Values of options of a scene file and of particles; "" is the option alone.
 const OF_SCENES: &[(&str, &[&str])] = &[
     ("--eye", &["0.3,0.2,4", "0,0,3"]),
     ("--at", &["0.1,0,0", "0,0.2,0"]),
@@ -159,7 +159,7 @@ fn words(options: &[[String; 2]]) -> Words {
     options.iter().flat_map(one).collect()
 }
 
-/// Two lists of options of which one has one option more, or another value of one.
+/// Two lists of options; one has one option more, or another value of one.
 fn pair(rng: &mut Rng, table: &[(&str, &[&str])]) -> [Words; 2] {
     let mut first: Vec<[String; 2]> = Vec::new();
     for _ in 0..rng.below(4) {

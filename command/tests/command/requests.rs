@@ -7,8 +7,8 @@ use crate::test_dir::TestDir;
 use halfline_files::read::{ParticleOptions, ReadOptions, Sequence};
 use serde_json::{Value, json};
 
-/// Two frames of particles without radii and elements, of which the second has a column `q`; of the second frame half are as
-/// fast as 3.
+/// Two frames of particles without radii and elements, the second with a column `q`; of the second frame half are as fast
+/// as 3.
 fn dump() -> String {
     let frame = |n: usize| {
         let q = if n == 2 { " q" } else { "" };

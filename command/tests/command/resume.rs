@@ -1,4 +1,4 @@
-//! The promise of `--resume`: a file is kept only if it is whole and its provenance is that of this rendering. And the promises
+//! The promise of `--resume`: a file is kept only if it is whole and has the provenance of this rendering. And the promises
 //! of `--progress`, `--preview` and signals.
 
 use crate::amount::amount;

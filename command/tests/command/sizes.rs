@@ -45,7 +45,7 @@ fn an_open_height_is_filled() {
             let margin = if camera.contains("focus") { 0.75 } else { 0.96 };
             for [first, last, side] in shown(&ids, &shape) {
                 let share = (last - first) as f64 / side as f64;
-                // A pixel at each end, a row of the height, and what other spheres than those of the focus take.
+                // A pixel at each end, a row of the height, and what spheres outside the focus take.
                 let near = 2.0 / side as f64 + 1.0 / shape[0] as f64;
                 let (least, most) = (margin - near, if camera.contains("focus") { 1.0 } else { margin + near });
                 assert!((least..=most).contains(&share), "{sides:?} {camera}: {share} of {shape:?}");

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 const TABLE: &str = "x,y,z,radius,kind,speed\n0,0,0,1,a,0.5\n2,0,0,0.7,b,1.5\n0,2,0,0.5,a,2.5\n1,1,1,0.6,c,-1\n";
 
-/// Three frames of two atoms in a cell, of which the second crosses its border.
+/// Three frames of two atoms in a cell; the second atom crosses its border.
 fn film() -> String {
     let frame = |n: u32| {
         format!(

@@ -168,7 +168,7 @@ impl Walk<'_> {
         let named = self.memory.1.keys().map(|name| (name, name.replacen("p.", "tile1.", 1)));
         for (name, first) in named.filter(|(_, first)| self.dir.path(first).exists()) {
             let merged = self.dir.run(&format!("merge {first} {} -o {name}", first.replacen('1', "2", 1)));
-            // What is written beside a picture is that of each tile.
+            // What is written beside a picture is written for each tile.
             let bytes = if name.ends_with("svg") {
                 self.dir.get(&first)
             } else if merged.code == 0 {
@@ -211,7 +211,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Walks with a camera of a list whose lens has distortion, in place of that of the row: the option has its effect there too.
+    /// Walks with a camera of a list whose lens has distortion, in place of the camera of the row: the option has its effect there too.
     fn curved_lens(&self) -> Found {
         // The list has camera and lens, and exact answers are within any tolerance.
         if ["vfov", "intrinsics", "hold", "tolerance"].contains(&self.row.option) {
@@ -253,7 +253,7 @@ impl Walk<'_> {
     }
 }
 
-/// Words by which a curved lens refuses options: those of another camera, and a size of the lens.
+/// Words by which a curved lens refuses options: options of another camera, and a size of the lens.
 const CURVED: &[&str] = &["--cameras", "a lens with a size"];
 
 /// Words with other names of files, which begin with `p.`.

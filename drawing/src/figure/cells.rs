@@ -55,8 +55,8 @@ impl Extent {
 
     /// A depth that no part of the ball within a rectangle is nearer than; `None` where none of it is.
     fn nearest(&self, ball: &Ball, projection: &Projection, [low, high]: [DVec2; 2]) -> Option<f64> {
-        // Of a point of the surface at depth z, (z - c)^2 + |s z - m|^2 = r^2 with the slope s of its ray and the middle m, of which the
-        // second square is not below that of the gap between the rectangles at the least depth.
+        // A point of the surface at depth z has (z - c)^2 + |s z - m|^2 = r^2, with the slope s of its ray and the middle m. The second
+        // square is not below the square of the gap between the rectangles at the least depth.
         let gap = (self.middle[0] - high).max(low - self.middle[1]).max(DVec2::ZERO) / projection.scale;
         let away = gap.length() * if projection.is_parallel { 1.0 } else { self.depth };
         let inner = (ball.radius - away) * (ball.radius + away);

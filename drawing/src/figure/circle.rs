@@ -65,15 +65,15 @@ impl Projection {
     }
 }
 
-/// The part of the square of a radius below which a discriminant counts as that of a ray that only touches.
+/// The part of the square of a radius below which a discriminant means that the ray only touches.
 const TOUCHING: f64 = 1e-11;
 
 /// The part of the square of a radius within which a ray may touch: a cut more than is needed does no harm.
 const NEAR: f64 = 1e-8;
 
 impl Ball {
-    /// The depths at which the ray of a place enters the ball and leaves it; also those of a ray that only touches the ball nearer than
-    /// `near`, and not of one that only touches it farther away: outlines that are one in the image are those of the nearest ball.
+    /// The depths at which the ray of a place enters the ball and leaves it. A ray that only touches the ball has depths if it
+    /// touches nearer than `near`, and not farther away. Outlines that are one in the image belong to the nearest ball.
     pub(super) fn depths(&self, projection: &Projection, place: DVec2, near: f64) -> Option<[f64; 2]> {
         let (start, along) = projection.ray(place);
         let (away, a) = (self.center - start, along.length_squared());
@@ -90,7 +90,7 @@ impl Ball {
         Some([first, (b + root) / a])
     }
 
-    /// Whether the ray of a place touches the ball: the square of its distance from the centre is that of the radius within [`NEAR`].
+    /// Whether the ray of a place touches the ball: its squared distance from the centre is the squared radius within [`NEAR`].
     pub(super) fn is_touched(&self, projection: &Projection, place: DVec2) -> bool {
         let (start, along) = projection.ray(place);
         let away = self.center - start;

@@ -51,7 +51,7 @@ impl Regions {
         path
     }
 
-    /// The path of pieces, each of which begins a line.
+    /// The path of pieces; each piece begins a line.
     pub(super) fn path_of_jumps(&self, projection: &Projection) -> Vec<Step> {
         let mut path = Vec::new();
         for piece in &self.jumps {

@@ -1,5 +1,5 @@
-//! Figures as PDF 1.7, whose curves are cubic: each arc is divided until it is within [`NEAR`] of its ellipse. The letters of texts are those
-//! of the font of labels, a part of which is in the file.
+//! Figures as PDF 1.7, whose curves are cubic: each arc is divided until it is within [`NEAR`] of its ellipse. The letters of texts come
+//! from the font of labels; a part of the font is in the file.
 
 use super::paint::{Lines, Page, Paint, Path, SEAM, Stop, paper};
 use super::path::{Step, number, numbers};

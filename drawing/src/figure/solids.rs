@@ -1,4 +1,4 @@
-//! Balls, of which planes keep a part: what the ray of a place hits first.
+//! Balls that planes cut: what the ray of a place hits first.
 
 use super::circle::{Ball, Plane, Projection};
 use glam::{DVec2, DVec3};
@@ -109,7 +109,7 @@ impl Solids {
         self.hit(n, place, f64::NEG_INFINITY, &interval).map(|(depth, _)| depth)
     }
 
-    /// The nearest surface of some balls at a place, with its depth. Of faces in one plane it is that of the smallest ball, then of the first.
+    /// The nearest surface of some balls at a place, with its depth. Of faces in one plane it is the face of the smallest ball, then of the first.
     pub(super) fn nearest(&self, balls: &[u32], place: DVec2, question: Question) -> Option<(f64, Surface)> {
         let Question { but, near, without, on_edge } = question;
         let interval = self.interval(place, on_edge);
@@ -126,7 +126,7 @@ impl Solids {
         nearest.map(|(depth, _, surface)| (depth, surface))
     }
 
-    /// Whether the face of a ball lies over that of another in one plane.
+    /// Whether the face of one ball lies over the face of another in one plane.
     pub(super) fn is_before(&self, a: u32, b: u32) -> bool {
         let [one, other] = [a, b].map(|n| self.balls[n as usize].radius);
         one < other || one == other && a < b

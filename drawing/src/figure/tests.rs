@@ -1,4 +1,4 @@
-//! A figure shows what the certified frame shows: at the centre of every pixel the path that holds it is that of the sphere of the pixel.
+//! A figure shows what the certified frame shows: at the centre of every pixel the path that holds it belongs to the sphere of the pixel.
 //! Paths are read as SVG defines them, by code that knows nothing of spheres.
 
 use super::*;
@@ -83,7 +83,7 @@ fn crossings(lines: &[Line], row: f64) -> Vec<f64> {
             }
             Line::Arc { center, axes: [rx, ry], turn, start, way } => {
                 let (sin, cos) = turn.sin_cos();
-                // The row at an angle is that of the centre + a cos + b sin.
+                // The row at an angle is the centre's row + a cos + b sin.
                 let [a, b] = [rx * sin, ry * cos];
                 let share = (row - center[1]) / a.hypot(b);
                 if share.abs() > 1.0 {
@@ -201,8 +201,8 @@ struct Count {
     wrong: Vec<String>,
 }
 
-/// Compares the figure of a scene with its frame, at the centre of every pixel: the path that holds it is that of the sphere of the pixel,
-/// and of a face where the normal is that of the plane.
+/// Compares the figure of a scene with its frame, at the centre of every pixel. The path that holds it belongs to the sphere of the pixel,
+/// and to a face where the normal is the plane's.
 fn compare(name: &str, scene: &Scene, renderer: &mut Renderer, settings: &Settings, count: &mut Count) {
     let style = FigureStyle { detail: 0.0, ..FigureStyle::default() };
     let figure = Figure::new(scene, style, None).expect("a figure");
@@ -267,7 +267,7 @@ fn renderer() -> (Renderer, Settings) {
     (Renderer::new(&settings).expect("the CPU path"), settings)
 }
 
-/// Lenses, of which the last shows a part of a scene.
+/// Lenses; the last lens shows a part of a scene.
 fn lenses() -> [Lens; 4] {
     [
         Lens::Vfov { degrees: 40.0, distance: 1.0 },
@@ -339,7 +339,7 @@ fn what_has_no_ellipses_is_refused() {
     assert!(words(&inside).contains("across the plane of the eye"), "{}", words(&inside));
 }
 
-/// Three spheres in two groups, of which two have one colour and cross.
+/// Three spheres in two groups; two of the spheres have one colour and cross.
 fn three() -> Scene {
     let mut spheres = Spheres::default();
     for ([x, y, z], color) in [([-0.5, 0.0, 0.0], 0.9), ([0.5, 0.0, 0.0], 0.9), ([0.0, 2.0, 0.0], 0.2)] {

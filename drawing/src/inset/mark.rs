@@ -25,9 +25,9 @@ fn is_dark([red, green, blue]: [f32; 3]) -> bool {
 }
 
 impl Panels {
-    /// Adds marks of things in a whole frame of a scene, in their order: of those among the `ids` of its pixels, and of those that are
-    /// visible through translucent spheres, of which `render` renders a frame without them; with `all` also of those that are hidden, in
-    /// front of the camera. Returns a warning about those that find no place.
+    /// Adds marks of things in a whole frame of a scene, in their order: of things among the `ids` of its pixels, and of things
+    /// visible through translucent spheres. For these `render` renders a frame without translucent spheres. With `all`, adds also marks of
+    /// hidden things in front of the camera. Returns a warning about things that find no place.
     ///
     /// # Errors
     /// Errors of [`Camera::projector`](halfline::Camera::projector) and of `render`.
@@ -111,11 +111,11 @@ fn unseen(hidden: &[(&str, &Vec<u32>)], count_of_all: usize) -> Option<String> {
     })
 }
 
-/// The ids that the pixels of a frame show, and where spheres are translucent those of the opaque ones alone, of which `render`
-/// renders a frame.
+/// The ids that the pixels of a frame show, and where spheres are translucent also the ids of a frame of the opaque ones alone,
+/// which `render` renders.
 ///
 /// # Errors
-/// Those of `render`.
+/// Errors of `render`.
 fn images_of(scene: &Scene, ids: &[i32], render: impl FnOnce(&Scene) -> Result<Frame>) -> Result<Vec<Vec<i32>>> {
     let mut all = vec![ids.to_vec()];
     if scene.spheres.is_translucent() {
@@ -165,7 +165,7 @@ mod tests {
 
     const SIZE: [usize; 2] = [400, 300];
 
-    /// An image of ids with discs, of which later ones are before earlier ones.
+    /// An image of ids with discs; later discs are before earlier ones.
     fn discs(size: [usize; 2], discs: &[([i64; 2], i64)]) -> Vec<i32> {
         let mut ids = vec![-1; size[0] * size[1]];
         for (id, ([x, y], radius)) in (0..).zip(discs) {

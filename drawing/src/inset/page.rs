@@ -107,7 +107,7 @@ impl Page {
         let widest = 0.4 * self.width;
         let title = self.fitting(&plain(&legend.heading()), true, widest);
         let below = (size + margin).round();
-        // From the top of a row to that of the next.
+        // From the top of a row to the top of the next.
         let row = (1.5 * size).round();
         let free = self.height - 4.0 * margin - below;
         let bar = legend.is_scale();

@@ -1,4 +1,4 @@
-//! Lists of cameras: those of halfline itself, NeRF's transforms.json, poses with intrinsics in the axes of OpenCV, and
+//! Lists of cameras: halfline's own lists, NeRF's transforms.json, poses with intrinsics in the axes of OpenCV, and
 //! tables. One reader for JSON and one for CSV; a pose is a camera, a size and optionally intrinsics.
 //!
 //! Sources: github.com/bmild/nerf and docs.nerf.studio/quickstart/data_conventions.html (transforms.json: columns right,

@@ -18,7 +18,7 @@ pub struct CutRules {
     pub only: Option<Selection>,
     /// Linear RGB of all faces; `None` for the colours of their spheres.
     pub color: Option<[f32; 3]>,
-    /// That of the faces of selected spheres; later ones win.
+    /// Linear RGB of the faces of selected spheres; later entries win.
     pub colors: Vec<(Selection, [f32; 3])>,
 }
 
@@ -32,7 +32,7 @@ pub struct CutAt {
 }
 
 impl SceneFrame {
-    /// Cuts the spheres by planes, those of its file and these; the camera, the places and the radii are final. Beads of a cell stay whole.
+    /// Cuts the spheres by the planes of its file and by these planes; the camera, the places and the radii are final. Beads of a cell stay whole.
     ///
     /// # Errors
     /// [`Error::Settings`] for columns that the file does not have, and for spheres that may be cut without a plane; [`Error::Scene`] where

@@ -91,7 +91,7 @@ mod tests {
         frame.scene.frame_all(&Framing::default())
     }
 
-    /// The eyes of the frames, of which the half space x <= 10 is drawn.
+    /// The eyes of frames that show the half space x <= 10.
     fn eyes(holds: bool, frames: &[&[f64]]) -> Vec<f64> {
         let arrangement = Arrangement { clip: vec![[1.0, 0.0, 0.0, 10.0]], ..Arrangement::default() };
         let (watch, mut fixed) = (Watch::default(), FixedCamera::new(holds));

@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::path::Path;
 
-/// The content of a scene or particle file. Numbers are those of the first frame, in the file's unit (GROMACS: converted
+/// The content of a scene or particle file. Numbers describe the first frame, in the file's unit (GROMACS: converted
 /// to ångström).
 #[derive(Debug, Clone, Serialize)]
 pub struct FileInfo {
@@ -128,7 +128,7 @@ pub fn info(path: &Path, options: &ReadOptions) -> Result<FileInfo> {
     )
 }
 
-/// Examines bytes from any reader, of which messages and the detection of the format speak as of the file `path`.
+/// Examines bytes from any reader; messages and the detection of the format treat them as the file `path`.
 ///
 /// # Errors
 /// As [`info`].

@@ -106,8 +106,9 @@ impl FromStr for MarkRule {
 }
 
 impl SceneFrame {
-    /// The things that rules select, with their texts: of a rule [once](MarkRule::once) all selected spheres are one thing; else, of
-    /// particles with residues, those of each residue are, or each selected sphere is. Beads of a cell are none. Returns also messages about the selections.
+    /// The things that rules select, with their texts. Of a rule [once](MarkRule::once) all selected spheres are one thing. Else
+    /// the selected particles of each residue are one thing, or without residues each selected sphere is. Beads of a cell are none. Returns
+    /// also messages about the selections.
     ///
     /// # Errors
     /// Errors of the selections; [`Error::Settings`] for a column that is not there, and for more than 500 things.

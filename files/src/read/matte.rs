@@ -7,11 +7,11 @@ use halfline::quote::{list, quote};
 use halfline_particles::{ColumnValue, Columns};
 use std::sync::Arc;
 
-/// The words of selections for the columns that tell residues apart, in the order of their names; those of one part of the name
-/// together.
+/// The words of selections for the columns that tell residues apart, in the order of their names; words of one part of the
+/// name together.
 const RESIDUE: [&[&str]; 4] = [&["chain"], &["segid"], &["resname"], &["resid", "icode"]];
 
-/// The columns of which the paths of a figure have the values, where a file has them.
+/// The columns whose values the paths of a figure have, where a file has them.
 const KNOWN: [&str; 4] = ["name", "element", "residue", "chain"];
 
 /// The name of a sphere whose column has no text.

@@ -46,7 +46,7 @@ pub(super) struct Read {
 }
 
 impl Read {
-    /// A scene of which nothing else is known.
+    /// A scene with nothing else known about it.
     pub(super) fn of((scene, skipped): (Scene, Skipped)) -> Self {
         Self { scene, skipped, look: FileLook::default(), aperture: None, cuts: Vec::new(), files: Vec::new() }
     }

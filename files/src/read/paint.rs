@@ -21,7 +21,7 @@ impl SceneFrame {
         Ok(faded)
     }
 
-    /// The same spheres with these opacities, none of which they had before, and a row of the legend for each rule.
+    /// The same spheres, which had no opacities before, with these opacities, and a row of the legend for each rule.
     fn faded(mut self, style: &Style) -> Result<Self> {
         if style.opacity.is_none() && style.fades.is_empty() {
             return Ok(self);
@@ -46,7 +46,7 @@ impl SceneFrame {
     }
 
     /// The same spheres, each in the colour of the last rule that selects it, and with a legend of these colours. Beads of a
-    /// cell keep theirs, as those of a reader do. Returns also notes on the rules.
+    /// cell keep their colours, as beads of a reader do. Returns also notes on the rules.
     ///
     /// # Errors
     /// Errors of the selections, also for a column that was not kept.
@@ -101,7 +101,7 @@ impl SceneFrame {
             Some(legend) if legend.is_scale() => Some(Legend { overrides, ..legend.clone() }),
             Some(legend) => {
                 let categories: Vec<Category> = legend.categories.iter().filter(stays).cloned().collect();
-                // As the reader has it: without categories the legend is that of the selections.
+                // As the reader has it: without categories the legend shows the selections.
                 match categories.is_empty() {
                     true => Some(Legend::of_selections(overrides)),
                     false => Some(Legend { categories, overrides, ..legend.clone() }),

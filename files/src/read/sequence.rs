@@ -83,8 +83,8 @@ pub struct SceneFrame {
     pub instances: Option<Instances>,
     /// Its time and step, as far as the file has them.
     pub when: FrameTime,
-    /// Whether it is of atoms without a box around them, whose default camera is that of their principal axes: of a format
-    /// of molecules ([`Format::is_of_molecules`]), with an element; of XYZ only without a cell.
+    /// Whether it is of atoms without a box around them, whose default camera follows their principal axes. True for a format
+    /// of molecules ([`Format::is_of_molecules`]), with an element; for XYZ only without a cell.
     pub is_molecule: bool,
     /// The number of the last spheres of the scene that are beads along the edges of a cell.
     pub beads: usize,
@@ -141,7 +141,7 @@ impl SceneFrame {
         Ok(Self { is_molecule, ..Self::new(number, scene) })
     }
 
-    /// The scene of particles of which nothing else is known.
+    /// The scene of particles with nothing else known about them.
     #[must_use]
     pub fn new(number: u64, scene: Scene) -> Self {
         Self {
@@ -199,7 +199,7 @@ impl SceneFrame {
         Ok(())
     }
 
-    /// Draws the edges of this cell as beads after all other spheres. The columns stay those of the spheres before them.
+    /// Draws the edges of this cell as beads after all other spheres. The columns still describe only the spheres before the beads.
     ///
     /// # Errors
     /// As [`Arrangement::apply`].

@@ -321,7 +321,7 @@ impl SphereBlocks {
         }
     }
 
-    /// Makes the colours of a part linear light, as those of the file in memory.
+    /// Makes the colours of a part linear light, like the colours of the file in memory.
     fn lighten(&mut self, part: &mut Particles) -> Result<()> {
         if !self.is_colored || part.colors.is_empty() {
             part.colors.clear();
@@ -351,7 +351,7 @@ impl SphereBlocks {
         }
     }
 
-    /// Widens the range of colours by that of a part.
+    /// Widens the range of colours by the range of a part.
     fn see(&mut self, legend: Option<&Legend>) -> Result<()> {
         let Some(Legend { name, range: [low, high], categories, names, .. }) = legend else { return Ok(()) };
         if !names.is_empty() {
@@ -402,7 +402,7 @@ fn check(options: &ReadOptions) -> Result<()> {
     Err(Error::settings(format!("{STREAM}: {problem}"), mend))
 }
 
-/// Whether the range of the colours is that of all particles.
+/// Whether the range of the colours depends on all particles.
 fn needs_range(options: &ReadOptions) -> bool {
     matches!(&options.style.coloring, Coloring::Column(scale) if scale.known_range().is_none())
 }

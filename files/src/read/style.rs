@@ -61,7 +61,7 @@ pub struct Style {
 }
 
 impl Default for Style {
-    /// The file's own radii and colours, or those of the elements.
+    /// The file's own radii and colours, or the elements' radii and colours.
     fn default() -> Self {
         Self {
             radii: Radii::Vdw,
@@ -94,7 +94,7 @@ pub enum Radii {
 named! { Radii, "kind of radii", Vdw "vdw" Covalent "covalent" }
 
 impl Radii {
-    /// The radius of an element by its atomic number, ångström; that of unknown elements where there is none.
+    /// The radius of an element by its atomic number, ångström; the radius of unknown elements where there is none.
     #[must_use]
     pub fn radius(self, number: u8) -> f64 {
         element(number).and_then(|element| self.of(element)).unwrap_or(UNKNOWN_RADIUS)
@@ -114,7 +114,7 @@ type Colors = Vec<[f32; 3]>;
 /// Linear light of the grey by which legends show an opacity.
 const VEILED_GREY: f32 = 0.2;
 
-/// Radius of an atom of an unknown element, ångström: between those of carbon and nitrogen.
+/// Radius of an atom of an unknown element, ångström: between the radii of carbon and nitrogen.
 const UNKNOWN_RADIUS: f64 = 1.6;
 
 /// Linear RGB of an element by its atomic number; deep pink if it is unknown.
@@ -229,7 +229,7 @@ impl Style {
         Ok((spheres, skipped, legend))
     }
 
-    /// Whether the radii of the spheres are those of the file.
+    /// Whether the radii of the spheres are the file's.
     fn keeps_radii(&self, particles: &Particles) -> bool {
         self.radius.is_none()
             && self.radius_scale == 1.0
@@ -353,7 +353,7 @@ impl Style {
         legend.map(|legend| Legend { title: self.legend_title.clone(), ..legend })
     }
 
-    /// The radii without those of rules. Nothing is said about particles that a rule gives their radius.
+    /// The radii without the radii of rules. Nothing is said about particles that a rule gives their radius.
     fn radii_of(&self, particles: &Particles, spaced: Option<f64>, skipped: &mut Skipped) -> Vec<f64> {
         let (n, scale) = (particles.positions.len(), self.radius_scale);
         if let Some(radius) = self.radius {

@@ -53,7 +53,7 @@ fn words(samples: Vec<u8>) -> Vec<u16> {
     samples.as_chunks().0.iter().map(|word| u16::from_le_bytes(*word)).collect()
 }
 
-/// Writes the strips of a TIFF; `numbers` gives those of its samples.
+/// Writes the strips of a TIFF; `numbers` gives the numbers of its samples.
 fn strips<C: ColorType>(
     head: &Head,
     rows: &mut dyn Rows,
@@ -126,7 +126,7 @@ pub(super) fn write_jpeg(head: &Head, rows: &mut dyn Rows, out: &mut dyn Sink) -
     if (layer.channels, layer.kind) != (3, SampleType::U8) {
         return Err(refused(FileFormat::Jpeg, layer));
     }
-    // The hash of the levels is not that of what is read again.
+    // The hash of the levels is not the hash of what is read again.
     let provenance = head.provenance.without_pixels();
     let short = || provenance.words().iter().filter(|(_, text)| text.len() < 1 << 12).cloned().collect();
     let mut block = exif(&provenance)?;

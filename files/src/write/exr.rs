@@ -35,7 +35,7 @@ const ATTRIBUTE: &str = "halfline";
 /// Bytes per sample.
 const SAMPLE: usize = 4;
 
-/// The channels of a buffer, as in [`FileFormat::forms`]; those of `shadow` have the lights' numbers.
+/// The channels of a buffer, as in [`FileFormat::forms`]; channels of `shadow` have the lights' numbers.
 fn names(form: &LayerFormat) -> Vec<Cow<'static, str>> {
     let fixed: &[&'static str] = match form.aov {
         Aov::Shadow => return (0..form.channels).map(|light| format!("shadow.{light}").into()).collect(),
@@ -180,7 +180,7 @@ impl ExrLayout {
     }
 }
 
-/// The bytes of an attribute of text. The text is UTF-8, which the type of exr does not hold, and the order is that of the calls.
+/// The bytes of an attribute of text. The text is UTF-8, which the type of exr does not hold, and the order follows the calls.
 fn attribute(name: &str, text: &str) -> io::Result<Vec<u8>> {
     let size = i32::try_from(text.len()).map_err(|_| invalid("the text is too long for EXR"))?;
     Ok([name.as_bytes(), b"\0string\0", &size.to_le_bytes(), text.as_bytes()].concat())
@@ -271,7 +271,7 @@ struct Blocks<'a> {
     name: String,
     layout: ExrLayout,
     offsets: Vec<u64>,
-    /// The last blocks that were read: all buffers of some rows are requested, then those of the next rows.
+    /// The last blocks that were read: all buffers of some rows are requested, then all of the next rows.
     recent: VecDeque<(usize, Vec<u8>)>,
     /// The most of them.
     kept: usize,

@@ -46,7 +46,7 @@ impl Target {
     /// format that can hold it.
     ///
     /// # Errors
-    /// [`Error::Settings`] naming the file, if its extension is not that of a format that can hold these buffers.
+    /// [`Error::Settings`] naming the file, if its extension names no format that can hold these buffers.
     pub fn new(aovs: &[Aov], path: &Path, style: FormatOptions) -> Result<Self> {
         let fits =
             |format: FileFormat| aovs.iter().all(|aov| format.takes(*aov)) && (aovs.len() == 1 || format.holds_many());
@@ -141,8 +141,8 @@ impl Target {
         check_writable(&self.path)
     }
 
-    /// Checks that the file can hold the ids of a scene with this many spheres, for use before the work begins. Those of more
-    /// than 32 bits can number are int64.
+    /// Checks that the file can hold the ids of a scene with this many spheres, for use before the work begins. Ids of more
+    /// spheres than 32 bits can number are int64.
     ///
     /// # Errors
     /// [`Error::Settings`] with the formats that can.
@@ -301,7 +301,7 @@ impl Target {
 /// Writes a file sequentially, or with seeks where its format needs them.
 ///
 /// # Errors
-/// [`Error::Io`] naming `path`, and those of `rows`.
+/// [`Error::Io`] naming `path`, and errors of `rows`.
 pub(super) fn write_file(format: FileFormat, head: &Head, rows: &mut dyn Rows, path: &Path) -> Result<()> {
     match format {
         FileFormat::Exr | FileFormat::Tiff => write_anywhere(path, |out| image_file::write(format, head, rows, out)),

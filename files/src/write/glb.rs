@@ -21,7 +21,7 @@ const POINTS: u32 = 0;
 const FLOAT: u32 = 5126;
 const ARRAY_BUFFER: u32 = 34962;
 
-/// Whether a file name is that of a binary glTF.
+/// Whether a file name has the extension of a binary glTF.
 #[must_use]
 pub fn is_glb(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb"))
@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn a_file_beyond_31_bits_is_refused_with_a_number_that_fits() {
         let size = |spheres| size(Path::new("a.glb"), 2000, spheres, 28);
-        // 2^31 - 1 bytes without the JSON, the header and those of the chunks.
+        // 2^31 - 1 bytes without the JSON, the header and the chunks' headers.
         let most = ((1 << 31) - 1 - 2028) / 28;
         assert_eq!((size(0).ok(), size(1).ok()), (Some(2020), Some(2056)));
         assert_eq!(size(most).ok(), Some(2028 + 28 * most as u32));

@@ -153,7 +153,7 @@ impl HitWriter<'_> {
     ///
     /// # Errors
     /// [`Error::Io`] naming the file, [`Error::Settings`] for hits without normals or in a file of [`Query::Any`]; see
-    /// [`HitFile::write`] for those of clouds.
+    /// [`HitFile::write`] for errors of clouds.
     pub fn hits(&mut self, rays: &Rays<'_>, hits: &Hits, invalid: &[u32]) -> Result<()> {
         let rows = Rows::nearest(rays, hits, invalid).filter(|_| self.file.query == Query::Nearest);
         self.rows(&rows.ok_or_else(|| Error::settings("the hits have no normals", "trace with Aov::Normal"))?)
@@ -173,7 +173,7 @@ impl HitWriter<'_> {
     /// Adds the echoes of a block of beams.
     ///
     /// # Errors
-    /// [`Error::Io`] naming the file, [`Error::Settings`] in a file of another query; see [`HitFile::write`] for those of
+    /// [`Error::Io`] naming the file, [`Error::Settings`] in a file of another query; see [`HitFile::write`] for errors of
     /// clouds.
     pub fn echoes(&mut self, echoes: &Echoes) -> Result<()> {
         if self.file.query != Query::Echoes {

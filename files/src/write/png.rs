@@ -216,7 +216,7 @@ impl Rows for PngRows<'_> {
 }
 
 /// Reads the picture in `bytes`, a complete PNG file, as levels of 0..255 or 0..65535; errors refer to it by `name`.
-/// Channels and alpha are those of the file; palettes and transparent colours are resolved, and fewer than 8 bits are
+/// Channels and alpha are the file's; palettes and transparent colours are resolved, and fewer than 8 bits are
 /// scaled to 8.
 ///
 /// # Errors

@@ -33,7 +33,7 @@ pub struct Head {
 }
 
 impl Head {
-    /// The head of a file in `format` with this provenance; `None` if the provenance is not that of such a file.
+    /// The head of a file in `format` with this provenance; `None` if the provenance is not from such a file.
     pub(super) fn new(format: FileFormat, provenance: Provenance) -> Option<Self> {
         let (window, full, buffers) = (provenance.window()?, provenance.full()?, provenance.buffers()?);
         let forms = format.forms(&buffers, Bits::of(&provenance), provenance.lights(), provenance.has_wide_ids())?;

@@ -2,7 +2,7 @@
 
 use super::Pool;
 
-/// Bytes that can still be allocated, including those of `pool`: within the machine's memory and swap, the limit of the
+/// Bytes that can still be allocated, including the bytes of `pool`: within the machine's memory and swap, the limit of the
 /// control group and the address space of the process. `None` where the system does not report them. With debug assertions,
 /// HALFLINE_FREE=N makes it at most N, so that tests need not fill the memory.
 pub fn free(pool: &Pool) -> Option<u64> {

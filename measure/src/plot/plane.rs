@@ -203,7 +203,7 @@ fn foot(at: (i32, i32), name: &Box) -> (i32, i32) {
     (if (at.0 - name[0]).abs() < (at.0 - name[2]).abs() { name[0] } else { name[2] }, name[3])
 }
 
-/// Marks of adapters are filled, those of the reference path hollow.
+/// Marks of adapters are filled, marks of the reference path hollow.
 fn is_filled(record: &Record, total: &Total<'_>) -> bool {
     record.places[total.place].backend != "cpu"
 }

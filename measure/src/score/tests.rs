@@ -126,7 +126,7 @@ fn a_planted_wrong_root_is_found() {
 
 #[test]
 fn errors_of_distance_are_in_ulp_in_radii_and_relative() {
-    // Three ulps of f32 at t* = 4, of which one is 2^-21; the radius is 1, the ray's direction of length 1.
+    // Three ulps of f32 at t* = 4, where one ulp is 2^-21; the radius is 1, the ray's direction of length 1.
     let errors = after(|frame| distances(frame)[MIDDLE] = 4.0 + 3.0 * 2f64.powi(-21));
     assert_eq!(errors.wrong(), 0);
     assert_eq!((errors.ulp.max, errors.radii.max), (Some(3.0), Some(3.0 * 2f64.powi(-21))));

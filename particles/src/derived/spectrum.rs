@@ -8,10 +8,10 @@ use halfline_ground::error::{Error, Result};
 /// The columns that tell chains apart.
 const CHAINS: [&str; 3] = ["chain", "segid", "copy"];
 
-/// The columns that it reads besides those of residues.
+/// The columns that it reads besides the columns of residues.
 pub(super) const COLUMNS: [&str; 4] = ["copy", "name", "species", "atom_name"];
 
-/// The place of each particle's residue among those of its chain: 0 at the first, 1 at the last, 0 in a chain of one. NaN for
+/// The place of each particle's residue in its chain: 0 at the first, 1 at the last, 0 in a chain of one. NaN for
 /// what is no residue of a protein or of a nucleic acid. A chain is a run of such residues with the same chain, segment and copy.
 ///
 /// # Errors

@@ -91,7 +91,7 @@ fn a_column_of_the_file_comes_first_and_a_distance_is_needed() {
 
 #[test]
 fn a_spectrum_is_the_place_of_residues_in_their_chain() {
-    // Three residues in chain A, of which one has two atoms, a water of it, and one residue in chain B.
+    // Three residues in chain A, one of them with two atoms, a water of it, and one residue in chain B.
     let numbers = |name: &str, values: &[f64]| Column { name: name.into(), values: values.to_vec() };
     let mut of = particles(&[[0.0; 3]; 6], None);
     of.columns = vec![

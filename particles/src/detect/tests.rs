@@ -110,7 +110,7 @@ fn a_name_that_a_beginning_can_have_is_right_and_another_is_reported() {
             for name in ["a.pdb", "a.ent", "a", "a.txt"] {
                 assert_eq!(of(text, name), (Format::PDB, false), "{name}: {text}");
             }
-            // Five numbers with blanks between them can be those of PQR.
+            // Five numbers with blanks between them can be an atom of PQR.
             let is_either = atom.split_whitespace().filter(|word| word.contains('.')).count() == 5;
             assert_eq!(of(text, "a.pqr"), (Format::PQR, is_either), "{text}");
         }
@@ -273,7 +273,7 @@ fn signatures_of_other_formats_never_beat_the_words_of_a_format() {
             let own = if format == Format::NATIVE { "toml" } else { format.name() };
             for name in ["a", "a.txt", &format!("a.{own}")] {
                 count += 1;
-                // A header that is a comment is that of a table without another one.
+                // A header that is a comment is the header of a table without another one.
                 let is_header = format == Format::NFF && line.contains("x y z") && name != "a.nff";
                 let found = recognise(text.as_bytes(), Path::new(name));
                 if found != Ok((format, None)) && !is_header {
@@ -285,7 +285,7 @@ fn signatures_of_other_formats_never_beat_the_words_of_a_format() {
     assert!(count > 2000 && wrong.is_empty(), "{} of {count}:\n{}", wrong.len(), wrong.join("\n"));
 }
 
-/// The words of extended XYZ are those of no other format, whatever its columns are; the rows of Tinker's file distinguish it.
+/// The words of extended XYZ are words of no other format, whatever its columns are; the rows of Tinker's file distinguish it.
 #[test]
 fn extended_xyz_is_not_tinker() {
     for comment in ["Properties=id:I:1:species:S:1:pos:R:3:type:I:1", "properties=id:I:1:species:S:1:pos:R:3:a:I:1 x=1"]

@@ -1,4 +1,4 @@
-//! LAMMPS dump: a sequence of `ITEM:` sections, of which the atoms end a frame. Columns, scaled coordinates and the
+//! LAMMPS dump: a sequence of `ITEM:` sections; the section of atoms ends a frame. Columns, scaled coordinates and the
 //! bounding box of a tilted cell are described at docs.lammps.org/dump.html and docs.lammps.org/Howto_triclinic.html.
 
 use crate::format::{FormatRow, Has, Open, Sign};
@@ -115,7 +115,7 @@ impl Dump {
             return Ok(Cell { origin: [a[3], b[3], c[3]], edges: [edge(a), edge(b), edge(c)] });
         }
         let (xy, xz, yz) = (a[2], b[2], c[2]);
-        // The bounds are those of the box around the tilted cell.
+        // These are the bounds of the box around the tilted cell.
         let low = [a[0] - [xy, xz, xy + xz].into_iter().fold(0.0, f64::min), b[0] - yz.min(0.0), c[0]];
         let high = [a[1] - [xy, xz, xy + xz].into_iter().fold(0.0, f64::max), b[1] - yz.max(0.0), c[1]];
         let side = |k: usize| high[k] - low[k];

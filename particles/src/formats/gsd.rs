@@ -1,6 +1,6 @@
 //! GSD files of HOOMD-blue: frames of positions, types, diameters, shapes, velocities, masses, charges, bodies, images and the box
-//! (gsd.readthedocs.io/en/stable/schema-hoomd.html). What a frame lacks is that of the first frame, where both have the
-//! same number of particles, or the default of the schema. There is no crate for the format.
+//! (gsd.readthedocs.io/en/stable/schema-hoomd.html). What a frame lacks comes from the first frame, where both have the
+//! same number of particles, or is the default of the schema. There is no crate for the format.
 
 mod file;
 mod shape;
@@ -39,7 +39,7 @@ pub(crate) struct Gsd {
     frame: u64,
     /// The shapes of the types, of the chunk that they were read from, which many frames share.
     shapes: (Option<Chunk>, Vec<Shape>),
-    /// Whether the shapes were reported, which are those of all frames.
+    /// Whether the shapes were reported, which are the shapes of all frames.
     has_reported: bool,
 }
 
@@ -159,7 +159,7 @@ impl<'a> Reading<'a> {
         Ok(())
     }
 
-    /// The radii, and the message about shapes that are no spheres. Diameters of particles come before those of their types.
+    /// The radii, and the message about shapes that are no spheres. Diameters of particles come before diameters of their types.
     fn radii(&self, shapes: &[Shape]) -> Result<(Vec<f64>, Option<String>)> {
         if let Some(chunk) = self.array(DIAMETER, 1)? {
             return Ok((self.file.numbers(chunk).map(|diameter| diameter / 2.0).collect(), None));

@@ -40,7 +40,7 @@ struct LasHeader {
     offset: [f64; 3],
     /// The compression of the points; `None` for plain points and for a file without any.
     scheme: Option<LazScheme>,
-    /// The fields behind those of the format.
+    /// The fields behind the fields of the format.
     extra: Vec<ExtraField>,
 }
 
@@ -256,7 +256,7 @@ impl LasHeader {
         particles
     }
 
-    /// The numbers of a record; colours are those of the file.
+    /// The numbers of a record; colours are as in the file.
     fn numbers(&self, record: &[u8], numbers: &mut Vec<f64>) {
         for axis in 0..3 {
             let whole = f64::from(u32_at(record, 4 * axis) as i32);

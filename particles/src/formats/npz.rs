@@ -190,7 +190,7 @@ impl Arrays {
         Ok(())
     }
 
-    /// The number of frames: those of the positions.
+    /// The number of frames of the positions.
     fn frames(&self) -> usize {
         let meanings = self.meanings();
         let is_placed = |k: &usize| meanings.fields[*k].iter().any(|(_, role)| matches!(role, Role::Position(_)));
@@ -327,7 +327,7 @@ fn is_single(name: &str) -> bool {
     ["x", "y", "z"].contains(&name) || is_length(name)
 }
 
-/// The numbers of a frame, where they are not those of all frames.
+/// The numbers of a frame, unless all frames share them.
 fn of_frame(numbers: &[f64], frames: usize, frame: usize) -> &[f64] {
     if frames < 2 {
         return numbers;

@@ -144,7 +144,7 @@ impl Points<'_> {
     }
 }
 
-/// The numbers of a line, as those of a record.
+/// The numbers of a line, as in a record.
 fn of_line(header: &PcdHeader, line: &Lines<&[u8]>) -> Result<Vec<f64>> {
     let (mut words, mut numbers) = (Words::of(line), Vec::new());
     for field in &header.fields {
@@ -164,7 +164,7 @@ fn of_line(header: &PcdHeader, line: &Lines<&[u8]>) -> Result<Vec<f64>> {
     }
 }
 
-/// Adds the point of these numbers, if it has coordinates; `place` is that of a field.
+/// Adds the point of these numbers, if it has coordinates; `place` gives the place of a field.
 fn add(
     header: &PcdHeader,
     strict: bool,

@@ -91,7 +91,7 @@ pub(crate) struct Pdb {
     assembly_noted: bool,
 }
 
-/// The columns of an atom by format: those of PDB, and in PDBQT a charge in place of the segment.
+/// The columns of an atom in PDB; in PDBQT a charge takes the place of the segment.
 const HAS: [AtomProperty; 13] = {
     use AtomProperty::{
         Altloc, Bfactor, Chain, Charge, Icode, Model, Name, Occupancy, Record, Residue, Resname, Segid, Serial,

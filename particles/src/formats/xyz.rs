@@ -254,7 +254,7 @@ pub(crate) fn is_xyz(lines: &[&str]) -> bool {
     let Some(count) = lines.first().and_then(|line| line.trim().parse::<u64>().ok()) else { return false };
     let width = |line: &str| Some(numbers(line)).filter(|n| *n >= 3 && *n == line.split_whitespace().count());
     let is_whole = |row: &str| row.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok());
-    // Rows of both, of which one begins with a coordinate.
+    // The comment has as many numbers as a row that begins with a coordinate.
     let mut rows = lines.iter().skip(2).take(usize::try_from(count).unwrap_or(usize::MAX).saturating_sub(1));
     let comment = lines.get(1).and_then(|line| width(line));
     if comment.is_some() && rows.any(|row| width(row) == comment && !is_whole(row)) {

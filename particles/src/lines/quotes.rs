@@ -3,7 +3,7 @@
 /// The bytes that may separate fields, the most certain first. Blanks are the last.
 pub(crate) const DELIMITERS: [u8; 5] = [b'\t', b';', b',', b'|', b' '];
 
-/// The quotes of a record of which lines arrive one by one.
+/// The quotes of a record whose lines arrive one by one.
 pub(crate) struct Quotes {
     delimiter: u8,
     state: Quoting,

@@ -14,7 +14,7 @@ use std::io::{self, Read};
 /// The bytes every .npy file begins with.
 pub const MAGIC: &[u8] = b"\x93NUMPY";
 
-/// The longest header that NumPy accepts; those of this program have about a hundred bytes.
+/// The longest header that NumPy accepts; headers of this program have about a hundred bytes.
 const LONGEST: usize = 10_000;
 
 /// A header: the layout of the values after it.

@@ -38,7 +38,7 @@ pub(crate) struct Array {
 /// The frames of an array of three dimensions, or the only one of another.
 struct Frames {
     npy: Npy<Input>,
-    /// The header of a frame, and that of the array.
+    /// The header of a frame, and of the array.
     frame: Header,
     whole: Header,
     /// The next frame.
@@ -67,7 +67,7 @@ impl Frames {
         if self.whole.shape.len() == 3 { self.whole.shape[0] } else { 1 }
     }
 
-    /// Checks the shape and the type of an array of numbers; the error names those of the array.
+    /// Checks the shape and the type of an array of numbers; the error names the array's shape and type.
     fn check(&self) -> Result<()> {
         let is_film = self.whole.shape.len() == 3 && WIDTHS.contains(&self.whole.shape[2]);
         self.npy.matrix(if is_film { &self.frame } else { &self.whole }, &WIDTHS).map(drop)

@@ -134,7 +134,7 @@ impl<R: Read> Read for Source<R> {
 }
 
 impl<R> Source<R> {
-    /// The error of the source, or else that of the data.
+    /// The error of the source, or else of the data.
     fn error_of(&mut self, error: FrameDecoderError) -> io::Error {
         let is_long = matches!(error, FrameDecoderError::WindowSizeTooBig { .. });
         let kind = if is_long { io::ErrorKind::OutOfMemory } else { io::ErrorKind::InvalidData };

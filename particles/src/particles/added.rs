@@ -1,4 +1,4 @@
-//! Frames of several files together: the particles of the first file, then those of each further one. A column names the file
+//! Frames of several files together: the particles of the first file, then of each further one. A column names the file
 //! of each.
 
 use super::frame::{Column, ParticleFrames, Particles};
@@ -118,7 +118,7 @@ fn names<'a>(paths: impl Iterator<Item = &'a Path>) -> Vec<String> {
 }
 
 /// The particles of all frames, one after the other. What some of them lack is missing there: no radius, no element, no colour, no
-/// value of a column. Cell and time are those of the first that has them.
+/// value of a column. Cell and time come from the first frame that has them.
 fn united<'a>(mut frames: Vec<Particles>, names: &[&str], paths: impl Iterator<Item = &'a Path>) -> Result<Particles> {
     let count: usize = frames.iter().map(|frame| frame.positions.len()).sum();
     let mut columns: Vec<String> = Vec::new();
@@ -132,7 +132,7 @@ fn united<'a>(mut frames: Vec<Particles>, names: &[&str], paths: impl Iterator<I
     let mut all = Particles { checked: frames.iter().all(|frame| frame.checked), ..Particles::default() };
     let (mut first, mut places) = (0, Vec::with_capacity(count));
     for (number, (frame, path)) in frames.iter_mut().zip(paths).enumerate() {
-        // Numbers of colours mean what those of their own file say.
+        // Numbers of colours mean what their own file says.
         frame.lighten();
         if frame.column(FILE).is_some() {
             let words = format!("the column {FILE} has the names of the files, not those of the column of this file");

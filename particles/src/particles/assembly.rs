@@ -43,7 +43,7 @@ pub(crate) fn find<'a>(assemblies: &'a [Assembly], id: &str, file: &Place) -> Re
         .ok_or_else(|| unknown(id, assemblies.iter().map(|a| &a.id), file))
 }
 
-/// The error for an assembly that is not among those of the file.
+/// The error for an assembly that is not in the file.
 pub(crate) fn unknown<'a>(id: &str, ids: impl Iterator<Item = &'a String>, file: &Place) -> Error {
     let ids = list(ids);
     let mend = match &ids[..] {

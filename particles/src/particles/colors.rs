@@ -143,7 +143,7 @@ mod tests {
             close(linearized(kind, &[[top, 0.0, 128.0 * scale], [0.0; 3]]), warnings);
         }
         close(linearized(Whole, &[[u32::MAX as f32, 0.0, 128.0 * 16843009.0]]), 0);
-        // One of 255 is nearly black, where the type is that of levels.
+        // One of 255 is nearly black, where the type means levels.
         assert_eq!(linearized(Whole, &[[1.0, 0.0, 1.0]]).0, [linear([1, 0, 1])]);
         for real in [[[1.0, 0.0, 1.0]], [[0.5, 2.0, 0.0]], [[256.5, 0.0, 0.0]], [[65536.0, 0.0, 0.0]]] {
             assert_eq!(linearized(Real, &real), (real.to_vec(), 0), "linear, beyond 1 too");

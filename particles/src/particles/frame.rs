@@ -332,7 +332,7 @@ impl Particles {
             return Err(Error::settings(problem, format!("remove {STREAM}")));
         }
         self.reading.room = 0;
-        // The next part numbers its names anew, so that those of a file need no memory.
+        // The next part numbers its names anew, so that the names of a file need no memory.
         let texts = self
             .reading
             .texts
@@ -407,7 +407,7 @@ impl Particles {
         self.before + self.places.get(n).map_or(n as u64, |place| u64::from(*place))
     }
 
-    /// The place of particle `n` for errors; `file` is that of the only file.
+    /// The place of particle `n` for errors; `file` is the place of the only file.
     #[doc(hidden)]
     pub fn place(&self, n: usize, file: &Place) -> Place {
         let index = self.index(n);

@@ -73,7 +73,7 @@ pub(crate) struct Ordered {
 }
 
 impl Ordered {
-    /// The frames of a file, of which the first has these numbers, if it was read before.
+    /// The frames of a file; `first` has the numbers of the first one, if it was read before.
     pub(crate) fn new(
         frames: Box<dyn ParticleFrames>,
         file: Place,

@@ -26,7 +26,7 @@ const NAMES: usize = 16;
 /// The most bytes per atom, besides its code, while the list of them grows.
 pub(super) const BYTES: usize = 2 * size_of::<(usize, u8)>();
 
-/// The most atoms in a residue. A file without residue numbers is one residue, of which a part is sufficient.
+/// The most atoms in a residue. A file without residue numbers is one residue, and a part of it is sufficient.
 const RESIDUE: usize = 1 << 12;
 
 /// The names of an atom.

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 /// The columns of frames that a topology may have too, where they belong to another moment.
 const OWN: [&str; 15] = ["x", "y", "z", "xu", "yu", "zu", "xs", "ys", "zs", "xsu", "ysu", "zsu", "vx", "vy", "vz"];
 
-/// The columns of a topology by which frames find its atoms: those of LAMMPS and of PDB.
+/// The columns of a topology by which frames find its atoms: in LAMMPS and in PDB.
 pub(crate) const NUMBERS: [&str; 2] = ["id", "serial"];
 
 /// The atoms of a trajectory: their elements, radii, names and columns.

@@ -119,7 +119,7 @@ impl Layout {
         let mut slot = Slot { name, role, requested: None, text: None, part: None, mixed: None };
         self.has.push(slot.name.clone());
         if is_requested(&self.to_keep, &slot.name) {
-            // A column of which another has the name cannot be asked for; among all of them it is numbered, as by pandas.
+            // A column whose name another has cannot be asked for; among all of them it is numbered, as by pandas.
             let is_every = self.to_keep.iter().any(|name| name == EVERY);
             let mut number = 0;
             let first = slot.name.clone();

@@ -17,7 +17,7 @@ const WEIGHTS: [f64; 92] = [
 ];
 
 /// The largest difference of a mass from an element's. It allows usual rounding (14.0067, 1.0, 35.5) and is smaller
-/// than the difference of any two neighbours except nickel and cobalt, of which the nearer is taken.
+/// than the difference of any two neighbours except nickel and cobalt, where the nearer is taken.
 const TOLERANCE: f64 = 0.1;
 
 /// The atomic numbers of these masses, if all of them look like atomic masses in u. Whole numbers up to 4 do not: they

@@ -28,7 +28,7 @@ pub(crate) enum FieldKind {
 pub(crate) struct Meanings {
     /// The names and roles of the columns of each field; none where it has no numbers.
     pub(crate) fields: Vec<Vec<(String, Role)>>,
-    /// The field that has a colour in one number of 4 bytes, 0xRRGGBB, whose bits may be those of a float.
+    /// The field that has a colour in one number of 4 bytes, 0xRRGGBB, perhaps as the bits of a float.
     pub(crate) packed: Option<usize>,
     /// The type of the colours' numbers, which decides how they become linear RGB.
     pub(crate) color_type: ColorType,
@@ -59,7 +59,7 @@ pub(crate) fn is_known(name: &str) -> bool {
         || COLOR_SETS.iter().flatten().any(|known| *known == name)
 }
 
-/// Whether a name, in lower case, is that of a radius or a diameter.
+/// Whether a name, in lower case, means a radius or a diameter.
 pub(crate) fn is_length(name: &str) -> bool {
     RADII.contains(&name) || DIAMETERS.contains(&name)
 }

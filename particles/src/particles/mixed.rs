@@ -90,7 +90,7 @@ impl Mixed {
         Ok(())
     }
 
-    /// Makes the values those of a column of texts.
+    /// Turns the values into values of a column of texts.
     fn name(&mut self, values: &mut [f64]) -> Result<()> {
         if self.names.is_some() {
             return Ok(());

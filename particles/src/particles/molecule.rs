@@ -113,7 +113,7 @@ impl Model {
             as_operators: request.as_operators,
             watch: request.watch.clone(),
             inference,
-            // Copies are made of all atoms, and the highest occupancy is that of all alternatives.
+            // Copies are made of all atoms, and the highest occupancy is over all alternatives.
             survey: request.survey.clone().filter(|_| !copy && request.altloc != Altloc::Highest),
             met: 0,
             alternates: 0,
@@ -122,7 +122,7 @@ impl Model {
         }
     }
 
-    /// Keeps all atoms until the end, of which copies are made.
+    /// Keeps all atoms until the end, since copies of them are made.
     pub(crate) fn whole(self) -> Self {
         Self { survey: None, ..self }
     }

@@ -29,7 +29,7 @@ impl Names {
         self.list.iter().map(|name| String::from_utf8_lossy(name).into_owned()).collect()
     }
 
-    /// Makes the numbers of other names those of the same names here.
+    /// Turns numbers of other names into the numbers of the same names here.
     ///
     /// # Errors
     /// As [`Names::number`].

@@ -172,7 +172,7 @@ fn unwrapped(frame: &Edges, particles: &mut Particles) -> Result<Vec<[f64; 3]>> 
     Ok(moved)
 }
 
-/// Pairs that join atoms at one place to the one of them with the longest reach, and the reaches without those of the others: what is
+/// Pairs that join atoms at one place to the one of them with the longest reach, and the reaches, 0 for the others. What is
 /// near one of them is near that one, so all pairs would join no more.
 fn at_one_place(positions: &[[f64; 3]], reaches: &[f32]) -> (Vec<[u32; 2]>, Vec<f32>) {
     let place = |n: u32| positions[n as usize].map(|x| (x + 0.0).to_bits());
@@ -393,8 +393,8 @@ mod tests {
         assert!(warnings[0].contains("14 particles, from particle 0 on"), "{warnings:?}");
     }
 
-    /// Atoms without room are refused before all their pairs are listed, and those of a small part of a large cell are joined as fast as
-    /// others: all pairs of both would be some 10^8.
+    /// Atoms without room are refused before all their pairs are listed, and atoms of a small part of a large cell are joined as fast as
+    /// others. All pairs of both would be some 10^8.
     #[test]
     fn the_time_of_bonds_is_that_of_atoms() {
         let cube = |edge: f64| Cell { origin: [0.0; 3], edges: [[edge, 0.0, 0.0], [0.0, edge, 0.0], [0.0, 0.0, edge]] };

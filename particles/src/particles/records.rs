@@ -60,7 +60,7 @@ impl Record {
     /// a particle; where `is_plain`, it is [`Layout::checked_numbers`] for records whose numbers are all valid.
     ///
     /// # Errors
-    /// The first error of `add` in the order of the records, and those of [`Particles::grow`].
+    /// The first error of `add` in the order of the records, and errors of [`Particles::grow`].
     pub(crate) fn append(
         &self,
         block: &[u8],
@@ -112,7 +112,7 @@ mod tests {
     /// Several blocks.
     const COUNT: usize = 200_000;
 
-    /// Points with a number, of which each of these has no finite x, as PLY without and with lists, PCD and records of NumPy.
+    /// Points with a number, at `bad` without a finite x, as PLY without and with lists, PCD and records of NumPy.
     fn files(bad: &[usize]) -> [(Format, Vec<u8>); 5] {
         let row = |n: usize| {
             let x = if bad.contains(&n) { f32::NAN } else { n as f32 };

@@ -17,7 +17,7 @@ pub struct Request {
     pub columns: Vec<String>,
     /// The meaning of columns of a table whose names do not say it.
     pub columns_named: ColumnNames,
-    /// The atom style of LAMMPS data; `None` takes that of the file.
+    /// The atom style of LAMMPS data; `None` takes the style of the file.
     pub atom_style: Option<AtomStyle>,
     /// Whether an item that is not a sphere is an error.
     pub strict: bool,

@@ -2,7 +2,7 @@
 
 use super::frame::{Column, Particles};
 
-/// The column of names that says of which of several files a particle is.
+/// The column of names that says which of several files a particle is from.
 pub(crate) const FILE: &str = "file";
 
 /// The columns that distinguish residues, as far as a file has them.

@@ -1,5 +1,5 @@
 //! Parses rows of particles on all cores. The file is read in blocks of lines; while the next block is read, the parts
-//! of the previous one are parsed. At most two blocks are in memory, and the error is that of the first invalid line.
+//! of the previous one are parsed. At most two blocks are in memory, and the error is for the first invalid line.
 
 use super::frame::Particles;
 use super::layout::Layout;
@@ -139,7 +139,7 @@ mod tests {
     /// Several blocks of 2 MiB.
     const COUNT: usize = 200_000;
 
-    /// Two frames, of which the second is small; line `n` of `changed` is replaced.
+    /// Two frames, the second small; line `n` of `changed` is replaced.
     fn xyz(changed: &[(usize, &str)]) -> String {
         let mut atoms: Vec<String> = (0..COUNT).map(|n| format!("X{} {n}.125 -{n} 1e-3", n % 3)).collect();
         changed.iter().for_each(|(n, line)| atoms[*n] = (*line).to_owned());

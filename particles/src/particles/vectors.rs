@@ -40,8 +40,8 @@ fn sets() -> [[String; 3]; 5] {
 /// A column by its name.
 pub(super) type Named<'a> = (&'a str, &'a [f64]);
 
-/// The columns whose length a word that is no column means: the components of the vector of this name, and for the velocity
-/// those of any of its names, or its length by another name.
+/// The columns whose length a word that is no column means: the components of the vector of this name. For the velocity,
+/// the components of any of its names, or its length by another name.
 pub(crate) fn parts<'a>(word: &str, columns: &[Named<'a>]) -> Option<Vec<&'a [f64]>> {
     let find = |word: &str| columns.iter().find(|(name, _)| name.eq_ignore_ascii_case(word)).map(|(_, values)| *values);
     if !is_velocity(word) {
@@ -65,7 +65,7 @@ pub fn length(parts: &[&[f64]]) -> Vec<f64> {
 }
 
 /// The name of a quantity for a legend: `|velocity|` for the length of a vector whose columns have a common name, else
-/// `|a, b|`; that of the column for a number. `columns` are the names of all columns of the file.
+/// `|a, b|`; the column's name for a number. `columns` are the names of all columns of the file.
 pub fn title(names: &[String], columns: &[String]) -> String {
     let has = |name: &str| columns.iter().any(|known| known.eq_ignore_ascii_case(name));
     match names {

@@ -64,7 +64,7 @@ impl Key {
     }
 }
 
-/// The columns that a word reads, of which the first that is there counts.
+/// The columns that a word reads: the first that is there counts.
 pub(crate) fn candidates(word: &str) -> Vec<String> {
     match Key::of(word) {
         Key::Index(0) => vec!["index".into()],

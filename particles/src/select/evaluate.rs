@@ -246,7 +246,7 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// The particles whose value is one of those of the chosen ones.
+    /// The particles that have the value of a chosen one.
     fn same(&self, word: &str, chosen: &[bool]) -> Result<Mask> {
         match Key::of(word) {
             Key::Residue => {

@@ -16,7 +16,7 @@ pub(super) enum Node {
     Values(String, Vec<Value>),
     Compare(Comparison),
     Near(Near),
-    /// Particles whose values in this column, or whose residue, are among those of the selected ones.
+    /// Particles whose value in this column, or whose residue, a selected particle has.
     Same(String, Box<Node>),
 }
 

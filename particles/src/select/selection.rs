@@ -38,7 +38,7 @@ impl Selection {
         columns
     }
 
-    /// The columns of which it lists values, in lower case.
+    /// The columns, in lower case, whose values it lists.
     pub(crate) fn worded_columns(&self) -> Vec<String> {
         let mut columns = Vec::new();
         self.root.visit(&mut |node| {

@@ -126,8 +126,8 @@ fn spheres_and_distant_normals_do_not_mix() {
     let mixed = sky(window([0, 0], [32, 16]), halves, MOST);
     assert!((0..16).all(|row| (0..16).all(|column| share(&mixed, row, column, 1) == 1.0)));
     assert!((0..16).all(|row| (16..32).all(|column| share(&mixed, row, column, 2) == 0.0)));
-    // A sample that shows another sphere than the centre of its pixel takes its neighbours', and one that no centre
-    // near it shows takes those of all.
+    // A sample that shows another sphere than the centre of its pixel takes the sums of its neighbours, and one that no centre
+    // near it shows takes the sums of all.
     assert_eq!(share(&mixed, 8, 16, 1), 1.0);
     assert_eq!(share(&mixed, 8, 15, 2), 0.0);
     assert!((0.3..0.7).contains(&share(&mixed, 8, 15, 7)));

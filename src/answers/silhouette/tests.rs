@@ -249,7 +249,7 @@ fn a_plain_at_a_grazing_angle_is_not_dark() {
     assert_eq!([dark(19), dark(20)], [0.0, 1.0], "the horizon");
 }
 
-/// Ids and depths without any order, of which some are not numbers.
+/// Ids and depths without any order, some of them not numbers.
 fn wild(rng: &mut Rng, width: usize, height: usize) -> Picture {
     let smooth = rng.below(2) == 0;
     let mut picture = planes(width, height, |row, column| {

@@ -20,7 +20,7 @@ use std::ops::Range;
 const KNOWN: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// The depth, relative to the reference, of a centre behind all others, which hides nothing. Under parallel projection its hits are never
-/// certified: it is that of a sphere that may intersect the eye plane.
+/// certified: this depth stands for a sphere that may intersect the eye plane.
 const NEVER: f64 = -((1u128 << 126) as f64);
 
 /// A sphere before its projection into the image.
@@ -211,7 +211,7 @@ impl ProjectionBounds {
         }
         let (mut place, mut low) = (aim.place, [0.0; 2]);
         if aim.blur > LONG {
-            // For a narrow field of view, recomputes in double-double, whose error is below 2^-40 of that of f64.
+            // For a narrow field of view, recomputes in double-double, whose error is below 2^-40 of the error of f64.
             if aim.blur > LONGEST {
                 return Err(());
             }
@@ -280,7 +280,7 @@ impl ProjectionBounds {
     /// per depth.
     #[inline(always)]
     pub(super) fn blur(&self, far: f64, slopes: [f64; 2]) -> f64 {
-        // The error of a quotient includes that of its divisor.
+        // The error of a quotient includes the error of its divisor.
         let tilt = if self.parallel { 0.0 } else { 1.0 };
         let blur = [0, 1].map(|k| (far * (1.0 + tilt * slopes[k]) + 4.0 * U64 * slopes[k]) * self.per_slope[k]);
         larger(blur[0], blur[1])

@@ -325,7 +325,7 @@ impl DepthPyramid {
             let places = samples.of(self.place(columns.start, y));
             for ((limits, places), x) in limits.zip(places).zip(columns.clone()) {
                 let start = f64::from(x) * fine;
-                // The outline is convex: it contains a pixel of which it contains the corners.
+                // The outline is convex: it contains a pixel if it contains the corners of the pixel.
                 if is_inner && inner_left <= start && start + fine - 1.0 <= inner_right {
                     lower(limits, limit);
                     continue;

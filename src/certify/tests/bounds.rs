@@ -106,7 +106,7 @@ pub(super) fn worst(quantity: Quantity, regime: Regime, terms: &Terms, lineages:
 
 /// The best ratio of one lineage, which starts from the best of some shots and ends when it no longer improves.
 fn evolved(quantity: Quantity, regime: Regime, terms: &Terms, rng: &mut Rng, enough: f64) -> f64 {
-    // The roundings are optimised only for a shot that is better with those of its parent.
+    // The roundings are optimised only for a shot that is better with the roundings of its parent.
     let climbed = |shot: &Shot, chosen: &mut Vec<bool>, least: f64| match shot.staged(terms) {
         Some(staged) => {
             let probe = || staged.ratio::<Wild>(quantity, terms);

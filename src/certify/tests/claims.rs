@@ -12,7 +12,7 @@ use crate::view::View;
 use crate::view::ray::NONE;
 use halfline_ground::memory::Pool;
 
-/// The conditions of `certain`, each of which can be switched off.
+/// The conditions of `certain`; each can be switched off.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Checks {
     pub(super) hit: bool,

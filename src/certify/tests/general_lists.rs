@@ -89,7 +89,7 @@ fn view(scene: &Scene, raster: Raster) -> View {
     View::for_rays(scene, raster, kernel.records()).expect("a view")
 }
 
-/// Compares every ray's answer with that of a search among all general spheres; returns the entries of the lists, and
+/// Compares every ray's answer with the answer of a search among all general spheres; returns the entries of the lists, and
 /// the number of rays that are certain.
 fn same_as_all(name: &str, scene: &Scene, view: &View, tolerance: f64) -> [usize; 2] {
     let listed = binned(scene, view, tolerance);

@@ -44,7 +44,7 @@ pub(super) const TERMS: Terms = Terms {
 };
 
 impl Terms {
-    /// The terms without that of the blur.
+    /// The terms without the term of the blur.
     pub(super) fn sharp(self) -> Self {
         Self { blurs: 0.0, ..self }
     }
@@ -275,7 +275,7 @@ fn claim<R: Value>(staged: &Staged, terms: &Terms) -> (bool, f64) {
 
 const COUNT: usize = 4000;
 
-/// False claims in a family, by roundings to nearest and by those of the adversary, and the largest share.
+/// False claims in a family, by roundings to nearest and by the adversary's roundings, and the largest share.
 fn false_claims(terms: &Terms, kind: usize, count: usize) -> (usize, f64) {
     let random = &mut Rng(0x91e5 + kind as u64);
     let (mut wrong, mut worst) = (0, 0.0f64);
@@ -421,7 +421,7 @@ fn no_roundings_together_leave_a_bound_of_a_device() {
 }
 
 /// Without a term, or with half of it, a claim is false or all roundings together leave a bound. g.g is left out: wherever
-/// its roundings matter, those of g are larger.
+/// its roundings matter, the roundings of g are larger.
 #[test]
 fn terms_of_a_device_are_needed() {
     for (name, of) in EACH.into_iter().filter(|(name, _)| *name != "gg") {

@@ -11,7 +11,7 @@ use crate::view::placement::Placement;
 use crate::view::ray::dot3;
 use glam::DVec3;
 
-/// A point that is off by up to `blur` of its radius, which is that of the tree's unit, and the exact one.
+/// A point that is off by up to `blur` of its radius (in the tree's unit), and the exact one.
 struct BlurredPoint {
     placement: Placement,
     point: SurfacePoint,

@@ -1,4 +1,4 @@
-//! A window's lists equal those of the full frame, also if tiles share them.
+//! A window's lists equal the lists of the full frame, also if tiles share them.
 
 use crate::certify::binned::{BinnedScene, Binning};
 use crate::certify::placing::Placer;

@@ -26,7 +26,7 @@ pub(super) struct StripFrame<'a> {
     pub(super) passed: &'a [&'a [u32]],
 }
 
-/// The values of a strip's pixels, one array per component. Those of a buffer that is not requested are unspecified.
+/// The values of a strip's pixels, one array per component. The values of a buffer that is not requested are unspecified.
 pub(super) struct Pixels<const N: usize> {
     id: [u32; N],
     t: [f32; N],
@@ -118,7 +118,7 @@ impl<const N: usize> Pixels<N> {
         let mut own = DEFAULT_COLOR.map(|x| [x; N]);
         if frame.colors.is_some() || frame.faces.is_some() {
             for l in 0..N {
-                // That of a miss is not used.
+                // The colour of a miss is not used.
                 let id = if answers.id[l] == NONE { 0 } else { answers.id[l] };
                 let colors = if solids.on_face(l) != 0 { frame.faces.or(frame.colors) } else { frame.colors };
                 [own[0][l], own[1][l], own[2][l]] = color_of(colors, id);

@@ -63,7 +63,7 @@ pub(super) trait Solids<const N: usize> {
         k: &mut NearestTwos<N>,
     ) -> bool;
 
-    /// The least depth that a lane has found, with that of the nearest two.
+    /// The least depth that a lane has found, the depth of the nearest two included.
     fn least(&self, l: usize, low: f32) -> f32;
 
     /// Takes the faces into the nearest two.

@@ -28,7 +28,7 @@ struct Lanes {
 }
 
 impl Colors<'_, '_, '_> {
-    /// Whether all spheres of a scene reflect only diffusely or are of ink, and the rays are those of a perspective camera.
+    /// Whether all spheres of a scene reflect only diffusely or are of ink, and the rays come from a perspective camera.
     pub(super) fn fit(lighting: &LightingContext<'_>) -> bool {
         let is_plain = |kind: &Material| *kind == Material::default() || *kind == Material::Ink;
         let materials = lighting.scene.spheres.materials.as_ref();

@@ -34,7 +34,7 @@ struct LightShare {
     inside: bool,
 }
 
-/// The share that is hidden, or seen, of a light of which only points of the rim are: so small that it changes no mean.
+/// The share that is hidden, or seen, where only points of a light's rim are: so small that it changes no mean.
 const NEARLY: f32 = 1.0 / (1u32 << 16) as f32;
 
 impl LightShare {
@@ -162,7 +162,7 @@ impl<'a> PointLight<'a> {
         }
     }
 
-    /// Applies a device's answers for the lights, none of which has a size. `is_open` tells for each whether nothing
+    /// Applies a device's answers for the lights; none has a size. `is_open` tells for each whether nothing
     /// hides it.
     pub(super) fn apply_traced_lights<'p>(
         &mut self,

@@ -82,7 +82,7 @@ fn score(family: &Family, part: u64, count: u32, change: impl Fn(SurfacePoint) -
     score
 }
 
-/// Compares the normals that f64 takes as sharp, which weigh rays to the sky, with those of the judge.
+/// Compares the normals that f64 takes as sharp, which weigh rays to the sky, with the normals of the judge.
 #[test]
 fn sharp_normals_are_off_by_less_than_2_to_the_minus_29() {
     let of_family = |family: &Family| {

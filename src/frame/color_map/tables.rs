@@ -1,5 +1,5 @@
-//! Colour maps as tables of 256 colours, 8-bit sRGB in hexadecimal: `coolwarm` is that of K. Moreland (Diverging Color Maps for
-//! Scientific Visualization, ISVC 2009) as matplotlib has it; the others are those of F. Crameri (Scientific colour maps,
+//! Colour maps as tables of 256 colours, 8-bit sRGB in hexadecimal. `coolwarm` is by K. Moreland (Diverging Color Maps for
+//! Scientific Visualization, ISVC 2009) as matplotlib has it. The others are by F. Crameri (Scientific colour maps,
 //! doi 10.5281/zenodo.1243862, version 8; LICENSE-CRAMERI).
 
 /// The colours from 0 to 1.

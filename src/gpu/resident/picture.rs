@@ -79,8 +79,8 @@ impl Gpu {
         }
     }
 
-    /// Traces rays toward the sky from the hits of the last frame and adds them up at each hit. Returns the pixels of the hits of
-    /// which the host has to trace the rays; [`SkyTraced::Refused`] also where these are too many.
+    /// Traces rays toward the sky from the hits of the last frame and adds them up at each hit. Returns the pixels of the hits
+    /// whose rays the host has to trace; [`SkyTraced::Refused`] also where these are too many.
     ///
     /// # Errors
     /// Errors of the device, and [`crate::Error::Interrupted`].

@@ -119,7 +119,7 @@ impl SpheresOnDevice {
 
     /// Whether they are these in blocks of this size, and no one can change them.
     pub(super) fn serves(&self, spheres: &Spheres, size: usize) -> bool {
-        // The frame is that of lists that can be changed.
+        // The frame matters only for lists that can be changed.
         self.size == size && self.of.is_kept() && self.of.is_of(spheres, 0)
     }
 
@@ -224,7 +224,7 @@ impl ResidentScene {
         Ok(size_of_val(&of[..]) as u64)
     }
 
-    /// Whether the resident spheres, with their colours, are those of a scene in frame `frame`.
+    /// Whether the resident spheres, with their colours, are the spheres of a scene in frame `frame`.
     pub(super) fn is_of(&self, spheres: &Spheres, frame: u64) -> bool {
         let colors = match (&self.colors, &spheres.colors) {
             ((Some(kept), ..), Some(colors)) => kept.is_same(colors),

@@ -1,6 +1,6 @@
 //! Resident frames have the same bits whatever the order and the division of their work, and what a device places has the bits of
-//! the host. On adapters that keep bits (tests/common/strict.rs) frames have those of the CPU path; on others what both prove
-//! agrees.
+//! the host. On adapters that keep bits (tests/common/strict.rs) frames have the bits of the CPU path; on others what both
+//! prove agrees.
 
 mod cuts;
 
@@ -200,7 +200,7 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
         assert!(submissions.get() > 1, "several submissions");
         let open: u32 = words.iter().map(|word| word.count_ones()).sum();
         println!("blocks of {block}: {open} rays of {} pixels are open", raw.id.len());
-        // The rays of another window are not those of this frame.
+        // The rays of another window are not the rays of this frame.
         let mut other = View::in_unit(&scene, raster, Some(view.unit)).expect("a view");
         other.record.rows = 1;
         assert!(gpu.trace_sky(&SkyRays { view: &other, ..rays }, &count).expect("a device") == SkyTraced::NoHits);
@@ -219,11 +219,11 @@ fn rays_from_hits_have_the_same_bits_in_every_division() {
     assert!(found[0].iter().any(|word| *word != 0) && found[1..].iter().all(|words| *words == found[0]));
 }
 
-/// The largest difference between the `low` of a device and that of the host: a part of the error that is subtracted
+/// The largest difference between the `low` of a device and the `low` of the host: a part of the error that is subtracted
 /// from the depth of the centre, and a part of the difference. On adapters that do not keep bits, + - * round either
 /// way, a root is within 4.6 ulp and a quotient within 2.5. The error of shaders/place/low.wgsl is then within 48
-/// roundings of 2^-23 of its terms (1 - T unit is at least 1/4, so the quotient has four times those of T), as is the
-/// host's, and each difference within one. `INFLATE` of certify/projection.rs leaves 2^-9 of the error for these
+/// roundings of 2^-23 of its terms, as is the host's, and each difference within one. As 1 - T unit is at least 1/4, the
+/// quotient has four times the roundings of T. `INFLATE` of certify/projection.rs leaves 2^-9 of the error for these
 /// roundings, so the device's `low` is a lower bound as well.
 const LOW: [f64; 2] = [1.0 / 65_536.0, 1.0 / 4_194_304.0];
 

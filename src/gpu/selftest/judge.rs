@@ -36,7 +36,7 @@ pub(super) fn worst(checks: &[Check], number: &str) -> f64 {
     checks.iter().filter_map(|c| c.detail.get(number)).copied().fold(0.0, f64::max)
 }
 
-/// The words of each case as numbers, with those of its answer.
+/// The words of each case as numbers, with the words of its answer.
 fn rows<'a>(
     cases: &'a [u32],
     answers: &'a [u32],

@@ -1,4 +1,4 @@
-//! Given rays: those of a curved lens, which a tree certifies or a method tests.
+//! Given rays: the rays of a curved lens, which a tree certifies or a method tests.
 
 use super::{Engine, Found, ViewRays};
 use crate::answers::layers::Layers;
@@ -147,7 +147,7 @@ impl Engine for GivenRays {
     }
 }
 
-/// Writes the hits of rays, which are those of the pixels from `first` on.
+/// Writes the hits of the rays of the pixels from `first` on.
 fn write(of: ViewRays<'_>, (first, rays): (usize, &Rays<'_>), hits: &Hits, raw: &mut Raw) {
     let ViewRays { scene, view, kernel } = of;
     let pixels = first..first + hits.id.len();

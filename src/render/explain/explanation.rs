@@ -123,7 +123,7 @@ pub struct PixelRays {
     pub lights: u64,
     /// Rays from the hits of viewing rays to the sky.
     pub sky: u64,
-    /// Rays that go on from mirrors and through glass, at most: those of little weight are not followed. Lights and sky are
+    /// Rays that go on from mirrors and through glass, at most: rays of little weight are not followed. Lights and sky are
     /// asked at each of their hits too.
     pub onward: u64,
 }

@@ -112,7 +112,7 @@ impl Setups {
 pub(super) fn light_through(at: &mut Rendering<'_>, plan: &Plan, opaque: &Opaque) -> LightSetup {
     let scene = at.scene;
     let blockers = if at.settings.opacity_shadows { None } else { at.time("tree", |_| Some(opaque.tree(scene))) };
-    // Rays leave from the hits of the opaque spheres alone, and from those of each layer, where a device has those of one frame.
+    // Rays leave from the hits of the opaque spheres alone, and from the hits of each layer; a device has the hits of one frame.
     let by_host =
         Some(if blockers.is_some() { "not all spheres block them" } else { "they leave from several layers" });
     let Some(tree) = blockers else {
@@ -157,8 +157,8 @@ pub(super) fn find(at: &mut Rendering<'_>, shown: &mut Shown, scene: &Scene, opa
     Ok(layers)
 }
 
-/// The opacity of each hit of a layer: that of its sphere, or with the rays of a rim, one that grows to 1 where the ray grazes the sphere, as
-/// the share that glass reflects does: C. Schlick, An Inexpensive BRDF Model for Physically-based Rendering, Computer Graphics Forum 13(3),
+/// The opacity of each hit of a layer: its sphere's, or with the rays of a rim, one that grows to 1 where the ray grazes the sphere. It grows
+/// as the share that glass reflects: C. Schlick, An Inexpensive BRDF Model for Physically-based Rendering, Computer Graphics Forum 13(3),
 /// 1994.
 pub(super) fn opacities(spheres: &Spheres, layer: &[u32], rim: Option<&PictureRays<'_>>) -> Vec<f32> {
     parallel::from_fn(layer.len(), |pixel| {

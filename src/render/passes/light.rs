@@ -127,7 +127,7 @@ pub(in crate::render) struct LightSetup {
     pub(super) tree: Option<Arc<Tree>>,
     /// The tree over the spheres that block rays to lights and sky, where they are not all.
     pub(super) blockers: Option<Arc<Tree>>,
-    /// The tree over those of them that planes spare, which are then not in `blockers`.
+    /// The tree over the blocking spheres that planes spare, which are then not in `blockers`.
     pub(super) spared: Option<Arc<Tree>>,
     pub(super) accuracy: Accuracy,
     /// Rays leave from what viewing rays hit first among all spheres that block them: so none begins inside of one, if the eye is outside.
@@ -214,7 +214,7 @@ pub(super) fn all_spheres(at: &mut Rendering<'_>, plan: &Plan) -> LightSetup {
     LightSetup { tree, blockers, spared, accuracy: plan.accuracy, from_first: true, by_host }
 }
 
-/// The tree over those of these spheres that planes do not spare, and that over the others; `None` where they spare none.
+/// Two trees over these spheres: over the ones that planes do not spare, and over the others; `None` where they spare none.
 pub(super) fn of_cuts(spheres: &Spheres, ids: impl Iterator<Item = u32>) -> Option<(Arc<Tree>, Arc<Tree>)> {
     let cuts = spheres.cuts.as_ref().filter(|cuts| cuts.count(SPARED) > 0)?;
     let (spared, others): (Vec<u32>, Vec<u32>) = ids.partition(|id| cuts.is_spared(*id));

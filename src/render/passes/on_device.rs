@@ -42,7 +42,7 @@ const LEAST_PIXEL: f64 = 1.0 / (1 << 19) as f64;
 const LEFT: &str = "the host drew the samples of this picture";
 
 impl Sampling<'_> {
-    /// Whether the colours of the picture are those of shaders/picture: no shadows, no materials, no lens with a size, lights infinitely
+    /// Whether shaders/picture computes the colours of the picture: no shadows, no materials, no lens with a size, lights infinitely
     /// far and few.
     fn fits_device(&self) -> bool {
         let Scene { lighting, spheres, .. } = self.scene;
@@ -116,7 +116,7 @@ impl Sampling<'_> {
 }
 
 /// The means of all samples of a picture whose colours the device computes; `None` where the host has to. `centers` are the
-/// spheres that the centres of the pixels of `window` show, and the samples are those of a window around it.
+/// spheres that the centres of the pixels of `window` show, and the samples belong to a window around it.
 pub(super) fn run(
     at: &mut Rendering<'_>,
     sampling: Sampling<'_>,

@@ -1,4 +1,4 @@
-//! The samples of the pixels: one pass each, whose hits are certified and settled like those of the centres, and their means of colour
+//! The samples of the pixels: one pass each, whose hits are certified and settled like the hits of the centres, and their means of colour
 //! and coverage.
 
 use super::layers::{self, Setups, lay_over};
@@ -140,7 +140,7 @@ struct Over<'a> {
     cue: Option<DepthCue>,
 }
 
-/// One sample of every pixel, with its colour, and the share of it that layers let pass. The scene is that of the pass's eye.
+/// One sample of every pixel, with its colour, and the share of it that layers let pass. The scene is as the pass's eye sees it.
 fn pass(
     at: &mut Rendering<'_>,
     sampling: Sampling<'_>,

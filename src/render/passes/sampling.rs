@@ -20,7 +20,7 @@ pub(super) struct Sampling<'a> {
     pub(super) settings: &'a Settings,
     /// The spheres that rays from hits meet; `None` where the kernel shades.
     pub(super) trees: Option<&'a LightSetup>,
-    /// The opaque spheres, where some are translucent. The samples are then those of the opaque ones, with layers over them.
+    /// The opaque spheres, where some are translucent. The samples then show the opaque ones, with layers over them.
     pub(super) opaque: Option<&'a Opaque>,
 }
 

@@ -1,4 +1,4 @@
-//! The sky of a picture: rays toward it from the centres of pixels or from their samples, put together with those of neighbours.
+//! The sky of a picture: rays toward it from the centres of pixels or from their samples, put together with the rays of neighbours.
 
 use super::layers::{self, Shown};
 use super::light::{FrameContext, LightRequest, LightSetup, light};
@@ -62,7 +62,7 @@ impl<'a> PictureSky<'a> {
     }
 }
 
-/// The rays toward the sky from the hits of a view, which shows the spheres `ids`, with those of neighbours.
+/// The rays toward the sky from the hits of a view, which shows the spheres `ids`, with the rays of neighbours.
 pub(super) fn of_view(
     at: &mut Rendering<'_>,
     scene: &Scene,
@@ -79,7 +79,7 @@ pub(super) fn of_view(
 }
 
 /// The rays toward the sky from the centres of a window's pixels, and from those around it as far as smoothing, the neighbours
-/// of a sample, and the frame reach: from the opaque hits, then from those of each layer. `centers` are the spheres that the
+/// of a sample, and the frame reach. The opaque hits come first, then the hits of each layer. `centers` are the spheres that the
 /// centres show.
 pub(super) fn run(
     at: &mut Rendering<'_>,

@@ -227,7 +227,7 @@ fn the_cpu_path_traces_rays_of_an_adapter_that_fails() {
             assert!(first == known && answers(&mut tracer, &rays) == known, "{what}");
             assert!(tracer.warning().is_some_and(|warning| warning.contains(word)), "{what}");
             assert_eq!((tracer.is_gpu(), tracer.adapter()), (false, "cpu"), "{what}");
-            // So are those of another tracer, as many are not tried again.
+            // Another tracer answers on the CPU path too: many spheres are not tried again.
             let mut next = renderer.tracer(&spheres, &auto).expect("spheres");
             assert!(!next.is_gpu() && answers(&mut next, &rays) == known, "{what}");
             let few = spheres.part(&(0..9000).map(|n| n < 10).collect::<Vec<_>>());

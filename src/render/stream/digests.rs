@@ -1,4 +1,4 @@
-//! The fingerprint of all spheres of a stream, most of which are forgotten: that of the same spheres in memory.
+//! The fingerprint of all spheres of a stream, most of them forgotten: it equals the fingerprint of the same spheres in memory.
 
 use super::pieces::{Differing, Pieces};
 use crate::scene::Spheres;

@@ -20,8 +20,8 @@ use halfline_ground::progress::Watch;
 const SPHERES_PER_BATCH: usize = 1 << 17;
 
 impl Stream {
-    /// The spheres that a frame of `scene` with these spheres needs. The fingerprint is that of all of them as far as 32-bit ids
-    /// can number them, and else one of the spheres and the operators that they are copies by.
+    /// The spheres that a frame of `scene` with these spheres needs. The fingerprint covers all of them as far as 32-bit ids
+    /// can number them, and else the spheres and the operators that they are copies by.
     ///
     /// # Errors
     /// Errors of [`Stream::new`] and [`Stream::add`]; [`Error::Interrupted`](crate::Error::Interrupted).

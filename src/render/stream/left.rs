@@ -1,4 +1,4 @@
-//! The spheres of a stream as planes leave them: a block, and copies in groups, most of which lie wholly on one side.
+//! The spheres of a stream as planes leave them: a block, and copies in groups, most of them wholly on one side.
 
 use crate::scene::instances::enclosure::Enclosure;
 use crate::scene::instances::{Group, Instances, NumberedSpheres};

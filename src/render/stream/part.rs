@@ -236,7 +236,7 @@ impl Part {
         Ok(Self { name, view: header.view, kept, digests: header.digests, counts: header.cut_counts })
     }
 
-    /// JSON of the rays that the part was made for and of which spheres, for [`Part::new`].
+    /// JSON of the rays that the part was made for and of the spheres it was made from, for [`Part::new`].
     #[must_use]
     pub fn about(&self) -> String {
         let (view, digests) = (self.view.clone(), self.digests.clone());
@@ -313,7 +313,7 @@ impl Part {
         if is_sifted { Ok(self) } else { self.sifted() }
     }
 
-    /// Adds the spheres of another part, of which others may hide some. Checks that both parts are of one frame, that no id has two
+    /// Adds the spheres of another part; others may hide some of them. Checks that both parts are of one frame, that no id has two
     /// spheres, and that both have the same lists of values. Returns whether there are new spheres.
     fn append(&mut self, other: &Self) -> Result<bool> {
         if let Some((what, [own, others])) = self.view.difference(&other.view) {
@@ -346,7 +346,7 @@ impl Part {
         Ok(Self { kept: stream.rest()?, ..self })
     }
 
-    /// The spheres that a frame of `scene` needs, whose own spheres are not used; its fingerprint is that of all spheres of the part.
+    /// The spheres that a frame of `scene` needs, whose own spheres are not used; its fingerprint covers all spheres of the part.
     ///
     /// # Errors
     /// [`Error::Settings`] for a frame that the part is not made for.
@@ -511,7 +511,7 @@ mod tests {
         assert!(planes.is_empty() || cut > 100 && removed > 1000, "{cut}, {removed}");
     }
 
-    /// Spheres of parts that overlap are counted once where the ids of one are those of the other, and else not at all.
+    /// Spheres of parts that overlap are counted once where both parts have the same ids, and else not at all.
     #[test]
     fn counts_of_parts_that_overlap_are_right_or_none() {
         let of = |first: u64, end: u64, counts| CutCounts { ids: [first, end], counts: Some(counts) };

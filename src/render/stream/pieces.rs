@@ -1,4 +1,4 @@
-//! BLAKE3 of bytes that arrive in pieces, in any order, more than once and from many machines: the hash of all is that of
+//! BLAKE3 of bytes that arrive in pieces, in any order, more than once and from many machines: the hash of all is the hash of
 //! the bytes in one piece. BLAKE3 is a binary tree over chunks of 1024 bytes (specification, section 2.1), so whole subtrees
 //! are kept as their chaining values, and the bytes of chunks that are known in part as they are.
 
@@ -15,10 +15,10 @@ const CHUNK: u64 = CHUNK_LEN as u64;
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Record", into = "Record")]
 pub(super) struct Pieces {
-    /// The largest subtrees of which all bytes are known, by their first chunk. None begins with chunk 0: which of its
+    /// The largest subtrees whose bytes are all known, by their first chunk. None begins with chunk 0: which of its
     /// subtrees the root joins depends on the length of the whole.
     trees: BTreeMap<u64, Tree>,
-    /// Known bytes by their place: chunk 0, and chunks of which only a part is known. Two runs of a chunk do not touch.
+    /// Known bytes by their place: chunk 0, and chunks that are known only in part. Two runs of a chunk do not touch.
     runs: BTreeMap<u64, Vec<u8>>,
 }
 

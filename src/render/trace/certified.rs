@@ -100,7 +100,7 @@ struct Answering<'a, Q, T> {
 const RAYS_PER_JOB: usize = 16;
 
 impl<Q: Query, T: Target> Answering<'_, Q, T> {
-    /// Settles and writes the answers to the rays with these numbers, those of a block from `first` on. Returns the truths in the
+    /// Settles and writes the answers to the rays with these numbers, the rays of a block from `first` on. Returns the truths in the
     /// order of the rays.
     fn finish(&self, first: usize, places: T, numbers: &[u32], answers: &[Q]) -> Result<Vec<Settled>> {
         let unsure: Vec<u32> = parallel::collect(numbers.len(), CHEAP, &|range, unsure| {

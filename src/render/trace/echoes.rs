@@ -15,7 +15,7 @@ use std::ops::Range;
 pub struct Echoes {
     /// The number of beams, those without an echo included.
     pub beams: u64,
-    /// The echoes; those of a beam by their distances without noise.
+    /// The echoes; within a beam by their distances without noise.
     pub all: Vec<Echo>,
 }
 
@@ -26,7 +26,7 @@ pub struct Echo {
     pub ring: u32,
     /// The column of the beam in its ring, from 0.
     pub column: u32,
-    /// The number of the echo among those of its beam, from 1.
+    /// The number of the echo among the echoes of its beam, from 1.
     pub return_number: u8,
     /// The number of echoes of the beam, at most [`Beam::returns`].
     pub number_of_returns: u8,
@@ -60,7 +60,7 @@ const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 const BEAMS_PER_JOB: usize = 1 << 8;
 
 impl Echoes {
-    /// The echoes of whole beams of `lidar`, the first of which has the number `first`, of the hits of their rays on
+    /// The echoes of whole beams of `lidar`, the first with the number `first`, of the hits of their rays on
     /// `spheres`. `None` for hits without normals, and for beams whose echoes are not measured.
     #[must_use]
     pub fn new(lidar: &Lidar, first: u64, rays: &Rays<'_>, hits: &Hits, spheres: &Spheres) -> Option<Self> {

@@ -1,4 +1,4 @@
-//! Given rays in more than one block: hits, truths and bounds are those of the judge; interruptions.
+//! Given rays in more than one block: hits, truths and bounds are the judge's; interruptions.
 
 use super::certified::LEAST;
 use crate::answers::assemble::settled_bound;

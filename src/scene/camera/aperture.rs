@@ -3,7 +3,7 @@
 //! A point L of the lens is an eye of its own. The ray of the pinhole through the point (u, v, -d) of the viewport meets the
 //! plane of focus, at distance F, in (F/d) (u, v, -d). From L = e + a u + b v the same point is seen in the direction
 //! (u - a d/F, v - b d/F, -d): the viewport of that eye is moved by a d/F to the left and b d/F down. The move is a whole
-//! number of the places that rays go through, rounded to the nearest, so that every ray is that of a pixel of a frame whose
+//! number of the places that rays go through, rounded to the nearest. So every ray belongs to a pixel of a frame whose
 //! numbers are exact.
 
 use super::{Basis, CURVED, Camera, CentredFrame, Look, Viewport, wrong};
@@ -58,7 +58,7 @@ impl Aperture {
     /// The camera at a point of the lens, which is given in the unit disc, and the offset of its frame from the frame
     /// of the eye: columns to the right and rows down, in places of `frame`.
     ///
-    /// The eye is the point rounded to f64, and exact from here on; the move is that of the rounded point.
+    /// The eye is the point rounded to f64, and exact from here on; the move is computed from the rounded point.
     ///
     /// # Errors
     /// Errors of [`Aperture::distance`] and of [`Camera::basis`].

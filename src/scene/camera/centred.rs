@@ -29,7 +29,7 @@ pub(crate) struct CentredFrame {
     pub(crate) shift: [u32; 2],
 }
 
-/// A [`Viewport`] of which no number is rounded: its height is `tall` fx / fy, a quotient that f64 cannot hold.
+/// A [`Viewport`] without rounded numbers: its height is `tall` fx / fy, a quotient that f64 cannot hold.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct ExactViewport {
     /// Width.
@@ -149,8 +149,8 @@ impl Camera {
         Ok(CentredFrame { viewport, size: [columns as u32, rows as u32], step, shift: [left as u32, top as u32] })
     }
 
-    /// The principal point of the rays, in pixels from the top left corner: that of the lens, rounded to a share of a pixel
-    /// (a half, or between 1/512 and 1/32 by the size of the image), or the middle.
+    /// The principal point of the rays, in pixels from the top left corner: the lens's, rounded to a share of a pixel, or
+    /// the middle. The share is a half, or between 1/512 and 1/32 by the size of the image.
     pub(crate) fn principal_point(&self, [width, height]: [u32; 2]) -> [f64; 2] {
         match self.lens {
             Lens::Intrinsics { cx, cy, .. } => {

@@ -1,4 +1,4 @@
-//! Lenses whose pictures are not those of a plane: with distortion, fisheyes and panoramas. Each point of the image has a viewing ray
+//! Lenses whose pictures are not projections onto a plane: with distortion, fisheyes and panoramas. Each point of the image has a viewing ray
 //! in f64, which is exact from there on.
 //!
 //! With X to the right, Y down and Z ahead, a direction has the place x = X/Z, y = Y/Z on the plane at distance 1, and the angle theta

@@ -1,4 +1,4 @@
-//! The viewing rays of a curved lens by the places of a frame of samples, as [`CentredFrame`](super::CentredFrame) has those of a plane.
+//! The viewing rays of a curved lens by the places of a frame of samples, as [`CentredFrame`](super::CentredFrame) has the rays of a plane.
 
 use super::{Basis, Camera, CurvedRays, Lens};
 use glam::DVec3;

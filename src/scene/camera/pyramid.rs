@@ -1,7 +1,7 @@
 //! The pyramid of directions that a curved lens shows within a rectangle of its image, by which scenes are framed.
 //!
-//! The directions of the rectangle's edges, or of the last rays on the way to them, enclose those of its inside. A pyramid about the axis that has
-//! none of them inside is shown within the rectangle as a whole.
+//! The directions of the rectangle's edges, or of the last rays on the way to them, enclose the directions of its inside. A pyramid about the axis
+//! that has none of them inside is shown within the rectangle as a whole.
 
 use super::CurvedRays;
 use glam::{DVec2, DVec3};
@@ -10,7 +10,7 @@ use std::f64::consts::FRAC_PI_3;
 /// The widest angle between the axis and a side of the pyramid: what a fisheye shows beyond is seen from too near to tell its shape.
 const WIDEST: f64 = FRAC_PI_3;
 
-/// Points along an edge, an even number: those of the middle and of the ends, where edges come nearest to the axis, are among them.
+/// Points along an edge, an even number: they include the middle and the ends, where edges come nearest to the axis.
 const POINTS: u32 = 128;
 
 /// Halves of the way to a point without a ray: all bits of f64.

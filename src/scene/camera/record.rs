@@ -27,7 +27,7 @@ pub struct CameraRecord {
     /// Focal lengths and principal point in pixels, where the centre of the top left pixel is (0.5, 0.5); `None` for an
     /// orthographic camera.
     pub intrinsics: Option<Intrinsics>,
-    /// The model of a lens with distortion, a fisheye or a panorama; the viewport is then that of the intrinsics.
+    /// The model of a lens with distortion, a fisheye or a panorama; the intrinsics then give the viewport.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub curve: Option<Curve>,
     /// Diameter of the lens, where it has a size.
@@ -67,7 +67,7 @@ impl Intrinsics {
 }
 
 impl Lens {
-    /// The lens for an image of `to` columns and rows in place of `from`: a panorama is that of the other image, and what is given in pixels is
+    /// The lens for an image of `to` columns and rows in place of `from`. A panorama becomes the other image's; what is given in pixels is
     /// scaled as by [`Intrinsics::resized`].
     #[must_use]
     pub fn resized(self, from: [u32; 2], to: [u32; 2]) -> Self {

@@ -164,7 +164,7 @@ fn image(operator: &Operator, enclosure: &Enclosure) -> Enclosure {
 mod tests {
     use super::*;
 
-    /// Every rounded image lies in the rounded box, whose sides are those of some corner: nothing could be narrower.
+    /// Every rounded image lies in the rounded box. The image of some corner lies on each of its sides: nothing could be narrower.
     #[test]
     fn boxes_of_copies_contain_every_copy_without_a_margin() {
         let mut state = 7u64;

@@ -19,7 +19,7 @@ struct Run {
     is_whole: bool,
 }
 
-/// The runs of copies of which the clip planes may keep a sphere, in order.
+/// The runs of copies with a sphere that the clip planes may keep, in order.
 struct Runs<'a> {
     instances: &'a Instances,
     /// A stack of copies that are not visited yet, each with its part; the last element comes next.

@@ -29,7 +29,7 @@ pub(super) const MAX_RETURNS: u8 = 15;
 /// shares of a ray, and the first angle round the axis in turns.
 const RINGS: [(u32, f64, f64); 2] = [(6, 4.0, 0.0), (12, 13.0, 1.0 / 24.0)];
 
-/// The rays of a cone: its axis and those of the rings.
+/// The rays of a cone: its axis and the rays of the rings.
 const RAYS: u32 = 1 + RINGS[0].0 + RINGS[1].0;
 
 impl Beam {
@@ -58,7 +58,7 @@ impl Beam {
     }
 }
 
-/// The rays of a beam: its axis, and those of its cone. `frame` is the axis and two directions across it.
+/// The rays of a beam: its axis, and the rays of its cone. `frame` is the axis and two directions across it.
 pub(super) fn rays(frame: [DVec3; 3], cone: &[[f64; 3]]) -> impl Iterator<Item = [f64; 3]> + '_ {
     let [axis, across, up] = frame;
     let direction = move |[a, b, c]: &[f64; 3]| a * axis + b * across + c * up;

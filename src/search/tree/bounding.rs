@@ -18,8 +18,8 @@ pub(crate) struct Balls {
 /// Spheres around groups of a tree's spheres.
 #[derive(Debug)]
 pub(crate) struct Bounding {
-    /// Level by level, the root first, which is one vector. Those of the last level are around sixteen spheres of the tree each, those of
-    /// a level above around sixteen of the next.
+    /// Level by level, the root first, which is one vector. The spheres of the last level are around sixteen spheres of the tree each, the
+    /// spheres of a level above around sixteen of the next.
     pub(crate) levels: Vec<Vec<Balls>>,
 }
 
@@ -75,7 +75,7 @@ impl Bounding {
     }
 }
 
-/// The sphere around those of some blocks: the middle of their box, and the farthest point of any.
+/// The sphere around the spheres of some blocks: the middle of their box, and the farthest point of any.
 fn around(blocks: &[Block]) -> ([f32; 3], f32) {
     let spheres = || {
         let of = |block: &Block| (0..WIDE).map(|l| (block.center.map(|x| x[l]), block.radius[l])).collect::<Vec<_>>();

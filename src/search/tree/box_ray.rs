@@ -46,7 +46,7 @@ pub(crate) struct BoxRay {
 
 impl BoxRay {
     /// The ray from `origin` (in the tree's coordinates) along `direction`, whose largest component is in [1, 2). `extra`
-    /// is a padding beside that of the slabs, for what a method may report. `None` if the ray certainly meets no sphere.
+    /// is a padding beside the padding of the slabs, for what a method may report. `None` if the ray certainly meets no sphere.
     #[inline(always)]
     pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], extra: f64) -> Option<Self> {
         let far = origin[0].abs().max(origin[1].abs()).max(origin[2].abs());

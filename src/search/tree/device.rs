@@ -60,7 +60,7 @@ impl NodeRecord {
     }
 }
 
-/// The exponent of the smallest step of which 255 are at least `extent`.
+/// The exponent of the smallest step such that 255 steps are at least `extent`.
 fn finest(extent: f64) -> i32 {
     let least = dd::exponent(extent / 255.0).max(FINEST);
     if 255.0 * dd::ldexp(1.0, least) < extent { least + 1 } else { least }

@@ -23,7 +23,7 @@ pub(crate) fn dispatch<W: Work>(work: W) -> W::Output {
     work.work(Portable)
 }
 
-/// Eight numbers, with every operation rounded as that of a single f32.
+/// Eight numbers, with every operation rounded as for a single f32.
 pub(crate) trait Lanes: Copy + Send + Sync {
     type Number: Copy;
     type Keys: Copy;
@@ -38,8 +38,8 @@ pub(crate) trait Lanes: Copy + Send + Sync {
     fn max(self, a: Self::Number, b: Self::Number) -> Self::Number;
     /// One bit for each lane where a <= b.
     fn at_most(self, a: Self::Number, b: Self::Number) -> u32;
-    /// The numbers of `near`, none of them negative, as keys that compare like them: their bits, the last three of
-    /// which are replaced by the lane. [`NEVER`] where `near` is not at most `far`.
+    /// The numbers of `near`, none of them negative, as keys that compare like them: their bits, with the lane
+    /// in place of the last three. [`NEVER`] where `near` is not at most `far`.
     fn keys(self, near: Self::Number, far: Self::Number) -> Self::Keys;
     /// The least key, which is replaced by [`NEVER`].
     fn take_least(self, keys: &mut Self::Keys) -> u32;

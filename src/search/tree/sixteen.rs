@@ -1,4 +1,4 @@
-//! Vectors of sixteen f32: for processors with AVX-512 or AVX2 by name, for all others as loops. Every operation is rounded as that of a
+//! Vectors of sixteen f32: for processors with AVX-512 or AVX2 by name, for all others as loops. Every operation is rounded as for a
 //! single f32, so the answers are the same.
 
 use super::bounding::SIXTEEN;

@@ -41,7 +41,7 @@ struct List {
     u: Vec<f32>,
     v: Vec<f32>,
     w: Vec<f32>,
-    /// Their places in the list above, in the first list those of their starts.
+    /// Their places in the list above, in the first list the places of their starts.
     above: Vec<u32>,
     /// A bit for each ray of a vector that nothing hides yet.
     open: Vec<u32>,
@@ -509,7 +509,7 @@ impl Leaf {
         s.add(s.mul(du, du), s.mul(dv, dv))
     }
 
-    /// The discs whose spheres a ray at these squares of distances enters below a height; `squares` are those of their radii.
+    /// The discs whose spheres a ray at these squares of distances enters below a height; `squares` are the squares of their radii.
     #[inline(always)]
     fn begins_below(&self, height: f32, distance: &[f32; SIXTEEN], squares: &[f32; SIXTEEN]) -> u32 {
         let mut mask = 0;

@@ -157,7 +157,7 @@ struct Passing<'a, L: Lanes> {
     p: [L::Number; 3],
     /// From the start to the centre, along the ray times the length of the direction.
     b: L::Number,
-    /// The square of the distance of the centre from the line, times that of the direction.
+    /// The square of the distance of the centre from the line, times the square of the direction's length.
     g2: L::Number,
 }
 

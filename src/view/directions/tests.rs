@@ -171,7 +171,7 @@ fn rotations_are_uniform() {
     }
     // Over all rotations an entry is uniform between -1 and 1, the entries are uncorrelated, and the square of the
     // trace has the mean 1. No summand has a larger deviation than 1.5, so five deviations of the mean are below
-    // 7.5/sqrt(MANY), 0.03; those of an entry's powers are below 0.6 each, so 0.012.
+    // 7.5/sqrt(MANY), 0.03; the deviations of an entry's powers are below 0.6 each, so 0.012.
     let off = |sum: f64, expected: f64| (sum / f64::from(PIXELS) - expected).abs();
     for sums in sums {
         let expected = [0.0, 1.0 / 3.0, 0.0, 1.0 / 5.0];
@@ -191,7 +191,7 @@ fn caps_of_the_sphere_hold_their_share_of_directions() {
         // With its mirror image a direction lies in the cap or in the opposite one.
         let inside = all.iter().filter(|l| dot(**l, axis).abs() > cosine).count() as f64;
         let (expected, count) = (1.0 - cosine, all.len() as f64);
-        // Five deviations of independent directions; those of evenly spread ones are smaller.
+        // Five deviations of independent directions; the deviations of evenly spread ones are smaller.
         let limit = 5.0 * (expected * cosine / count).sqrt();
         assert!((inside / count - expected).abs() < limit, "{inside} of {count} beyond {cosine}");
     }
@@ -273,7 +273,7 @@ fn samples_share_a_lattice_of_which_each_has_an_even_part() {
     }
 }
 
-/// The pixels of a picture's square share one lattice, and those of every part of it a coarser one. [`SkyDirections`] states it.
+/// The pixels of a picture's square share one lattice, and the pixels of every part of it a coarser one. [`SkyDirections`] states it.
 #[test]
 fn neighbors_of_a_picture_share_a_lattice_of_which_each_has_an_even_part() {
     const SEEDS: u32 = 100;

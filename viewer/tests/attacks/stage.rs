@@ -27,7 +27,7 @@ struct State {
 }
 
 impl Fake {
-    /// The number of calls so far, except those of `fit`.
+    /// The number of calls so far, except calls of `fit`.
     pub(crate) fn calls(&self) -> usize {
         self.state.lock().expect("state").calls
     }

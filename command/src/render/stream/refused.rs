@@ -12,7 +12,7 @@ type Refusal = (bool, &'static str, &'static str);
 /// A lens with a size.
 const LENS: &str = "a lens with a size sees spheres that a stream has forgotten";
 
-/// Refuses options that need all spheres in memory; `number` is that of the frame, and `taken` the camera of `--camera-from`.
+/// Refuses options that need all spheres in memory; `number` is the frame number, and `taken` the camera of `--camera-from`.
 ///
 /// # Errors
 /// [`Error::Settings`] that names the option.

@@ -24,7 +24,7 @@ enum Form {
     Double,
 }
 
-/// The form of a list and its number of values; the bytes follow those of the list before.
+/// The form of a list and its number of values; the bytes follow the bytes of the list before.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Entry {
     form: Form,
@@ -142,7 +142,7 @@ fn packed(values: &[f64]) -> (Form, Vec<(u64, u64)>, Vec<u8>) {
     (Form::Double, Vec::new(), planes(&values.iter().map(|x| x.to_le_bytes()).collect::<Vec<_>>()))
 }
 
-/// The whole number of which a value is so many decimal digits less, exactly.
+/// The whole number that, divided by ten to the power of `digits`, is exactly `value`.
 fn whole(value: f64, digits: u8) -> Option<i32> {
     let number = (value * 10f64.powi(digits.into())).round();
     let is_exact = number.abs() <= f64::from(i32::MAX) && decimal(number as i32, digits).to_bits() == value.to_bits();

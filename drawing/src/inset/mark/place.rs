@@ -11,8 +11,8 @@ const ON_IT: f32 = 0.95;
 /// The pixels of a text that are looked at: columns and rows of a grid.
 const GRID: [i64; 2] = [16, 6];
 
-/// The cost of a text beside its thing, of one with a line, and of a line as long as the shorter side of the picture; that of a text
-/// on another thing is 1. A text beside its thing costs a little more in each next direction.
+/// The cost of a text beside its thing, of one with a line, and of a line as long as the shorter side of the picture. A text
+/// on another thing costs 1. A text beside its thing costs a little more in each next direction.
 const ADJACENT: f32 = 0.03;
 const NEXT: f32 = 1e-3;
 const WITH_LINE: f32 = 0.12;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 /// Spheres of a scene, with the text that names them.
 pub type Thing = (String, Vec<u32>);
 
-/// Labels of pixels: background, a sphere of no thing; then those of the spheres that have the same things.
+/// Labels of pixels: background, a sphere of no thing; then labels of the spheres that have the same things.
 const BACKGROUND: u32 = 0;
 const UNNAMED: u32 = 1;
 const NAMED: u32 = 2;

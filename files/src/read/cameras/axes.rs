@@ -1,5 +1,5 @@
-//! Whether the columns of a matrix are the axes of a camera: a picture of a mirrored or sheared camera would silently be
-//! that of another one, because the basis is made of the view and of up alone.
+//! Whether the columns of a matrix are the axes of a camera. A picture of a mirrored or sheared camera would silently show
+//! the view of another one, because the basis is made of the view and of up alone.
 
 use glam::{DMat3, DVec3};
 

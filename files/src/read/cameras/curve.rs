@@ -30,7 +30,7 @@ const MODELS: [(&str, Kind, &[&str]); 24] = [
     ("OPENCV", Perspective, &[]),
     ("PERSPECTIVE", Perspective, &[]),
     ("FISHEYE", Fisheye, &[]),
-    // Those of ROS and of Kalibr.
+    // Models of ROS and of Kalibr.
     ("NONE", Perspective, &["fx", "fy", "cx", "cy"]),
     ("PLUMB_BOB", Perspective, &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"]),
     ("RADTAN", Perspective, &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"]),
@@ -45,7 +45,7 @@ const MODELS: [(&str, Kind, &[&str]); 24] = [
     ("SPHERICAL", Panorama, &[]),
 ];
 
-/// Other models, which are refused also where the name may be that of a body.
+/// Other models, which are refused also where the name may belong to a body.
 const OTHERS: [&str; 22] = [
     "FOV",
     "THIN_PRISM",

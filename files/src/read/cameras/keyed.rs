@@ -240,7 +240,7 @@ impl<'a> Numbers<'a, '_> {
         Ok((Some((lens, viewport)), diameter.map(|diameter| Aperture { diameter, focus })))
     }
 
-    /// Two numbers, of which one alone is an error.
+    /// Two numbers; one alone is an error.
     fn both(&self, slots: &[Slot<'a>; 2], names: [&str; 2]) -> Result<Option<[f64; 2]>> {
         match *slots {
             [Some((a, _)), Some((b, _))] => Ok(Some([a, b])),
@@ -269,7 +269,7 @@ fn whole(keys: &Keys<'_>, given: Given<'_>, x: f64) -> Result<f64> {
     if is_whole { Ok(x) } else { Err(keys.wrong(given, "expected whole positive numbers", MEND)) }
 }
 
-/// Whether a matrix of 3 or 4 rows is one of intrinsics: beyond the upper rows those of the identity.
+/// Whether a matrix of 3 or 4 rows is one of intrinsics: beyond the upper rows it equals the identity.
 fn is_square(rows: usize, columns: usize, at: &dyn Fn(usize, usize) -> f64) -> bool {
     let is_one = |row: usize, column: usize| at(row, column) == f64::from(u8::from(row == column));
     (0..rows).all(|row| (0..columns).all(|column| row < 2 && column < 3 || is_one(row, column)))

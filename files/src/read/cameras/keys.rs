@@ -25,7 +25,7 @@ pub(super) enum Meaning {
     Side(usize),
     /// Columns and rows.
     Size,
-    /// Focal lengths and principal point as a matrix of 3 rows, of which a fourth column is 0, or as fx, fy, cx, cy.
+    /// Focal lengths and principal point as a matrix of 3 rows, whose fourth column, if any, is 0, or as fx, fy, cx, cy.
     Matrix,
     /// k1 to k6.
     Radial(usize),
@@ -232,7 +232,7 @@ impl<'a> Keys<'a> {
     ) -> Self {
         let (mut given, mut of_list) = (Vec::new(), Vec::new());
         add(own, false, true, &mut given);
-        // An object of the camera completes that of the list; any other value replaces it.
+        // An object of the camera completes the object of the list; any other value replaces it.
         let is_replaced = |key: &str, value: &Value| {
             own.get(key).is_some_and(|own| !(own.is_null() || own.is_object() && value.is_object()))
         };
@@ -310,7 +310,7 @@ fn add<'a>(map: &'a Map<String, Value>, is_shared: bool, is_outer: bool, given: 
     map.iter().for_each(|(key, value)| add_key(key, value, is_shared, is_outer, given));
 }
 
-/// Adds a key if it is one of a lens, and those of an outer object that describes one.
+/// Adds a key if it is one of a lens, and the keys of an outer object that describes a lens.
 fn add_key<'a>(key: &'a str, value: &'a Value, is_shared: bool, is_outer: bool, given: &mut Vec<Given<'a>>) {
     let known = KEYS.iter().find(|(name, _)| *name == key).map(|(_, meaning)| *meaning);
     let meaning = match (key, known) {

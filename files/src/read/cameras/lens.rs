@@ -23,7 +23,7 @@ pub struct PixelLens {
     pub(super) angles: [Option<f64>; 2],
     /// The middle of the image, where it is not given.
     pub(super) center: Option<[f64; 2]>,
-    /// Columns and rows of the image that the pixels belong to; those of the picture where they are not given.
+    /// Columns and rows of the image that the pixels belong to; of the picture where they are not given.
     pub(super) image: Option<[u32; 2]>,
     /// The model of a lens with distortion, a fisheye or a panorama, which needs no focal lengths.
     pub(super) curve: Option<Curve>,
@@ -110,7 +110,7 @@ impl ListedLens {
             lens.check(index, width, height)?;
         }
         match self {
-            // The picture has the height of the view, and square pixels where those of the image are square.
+            // The picture has the height of the view, and square pixels where the image has square ones.
             Self::OfImage(Lens::Viewport { vw, vh, distance }, image) if *image != [width, height] => {
                 let [w, h] = image.map(f64::from);
                 let vw = vw * (h / w) * (f64::from(width) / f64::from(height));

@@ -21,7 +21,7 @@ pub struct ListedCamera {
 }
 
 impl ListedCamera {
-    /// The lens that the list gives, else that of `intrinsics`, else `vfov`, the options for cameras without a lens.
+    /// The lens that the list gives, else the lens of `intrinsics`, else `vfov`, the options for cameras without a lens.
     /// `None` where none of these is given.
     #[must_use]
     pub fn lens(&self, intrinsics: Option<Intrinsics>, vfov: Option<Lens>) -> Option<ListedLens> {

@@ -27,7 +27,7 @@ pub struct NamedLens<'a> {
     pub vfov: Option<f64>,
     /// Focal lengths and principal point in pixels.
     pub intrinsics: Option<Intrinsics>,
-    /// k1, k2, p1, p2, k3, k4, k5, k6 of which the last 3 or 4 may be left out, of a fisheye k1 to k4; empty for none.
+    /// k1, k2, p1, p2, k3, k4, k5, k6, where the last 3 or 4 may be left out; of a fisheye k1 to k4; empty for none.
     pub coefficients: &'a [f64],
     /// The names of `vfov`, `intrinsics` and `coefficients` in messages.
     pub words: [&'static str; 3],

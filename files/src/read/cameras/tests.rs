@@ -43,7 +43,7 @@ fn keys(value: Value) -> Keys {
 fn drawn(draw: &mut Draw) -> Keys {
     let mut keys = Keys::new();
     let mut put = |key: &str, value: Value| drop(keys.insert(key.to_owned(), value));
-    // Without a size the pixels are those of the picture.
+    // Without a size the pixels are the picture's.
     let has_size = draw.coin();
     let (w, h) = if has_size { (32 + 2 * draw.below(40) as u32, 24 + 2 * draw.below(40) as u32) } else { (64, 48) };
     let focal = [40.0 + 30.0 * draw.unit(), 40.0 + 30.0 * draw.unit()];
@@ -129,7 +129,7 @@ fn keys_may_stand_with_the_camera_or_with_its_list() {
             }
         }
         let found = read(&list, &camera).unwrap_or_else(|error| panic!("{n}: {list:?} {camera:?}: {error}"));
-        // Sums of several keys are those of the first in the order of the file.
+        // A number that several keys give is taken from the first of them in the order of the file.
         let found = found.lens(None, None).expect("a lens").for_image(0, 64, 48).expect("a lens");
         assert!(near(found, made), "{n}: {list:?} {camera:?}: {found:?} for {made:?}");
         assert_eq!(read(&all, &Keys::new()), Ok(expected), "{all:?}");
@@ -335,8 +335,8 @@ fn models_have_their_coefficients() {
     assert!(panorama.for_image(0, 64, 48).expect_err("off centre").to_string().contains("camera 0: cx and cy"));
 }
 
-/// A height as an angle is a focal length where the principal point is beside the middle; sizes and angles of the list are those of its
-/// cameras.
+/// A height as an angle is a focal length where the principal point is beside the middle; sizes and angles of the list belong to
+/// its cameras.
 #[test]
 fn angles_complete_what_the_camera_says() {
     let list = keys(json!({"vfov": 40, "w": 64, "h": 48}));

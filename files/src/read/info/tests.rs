@@ -38,7 +38,7 @@ fn the_counts_do_not_depend_on_the_size_of_the_parts() {
     let x = |n: usize, k: usize| ((n * (7 + k)) % 997) as f64 / 8.0 - 60.0;
     let three = |n: usize| format!("{:8.3}{:8.3}{:8.3}", x(n, 0), x(n, 1), x(n, 2));
     let words = |n: usize| format!("{} {} {}", x(n, 0), x(n, 1), x(n, 2));
-    // Names of columns, then names that begin in the first one, of which there are more: `CD1 ` is carbon in the end.
+    // Names of columns, then more names, which begin in the first one: `CD1 ` is carbon in the end.
     let aligned = |n: usize| match n {
         0..1000 => [" C1 ", "CD1 ", " N1 ", " Q7 "][n % 4],
         _ => ["N1  ", "O1  ", "MW  ", "XX  "][n % 4],

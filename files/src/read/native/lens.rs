@@ -9,7 +9,7 @@ use halfline::scene::camera::{Aperture, Camera, Intrinsics, Lens};
 /// The keys of focal lengths and of the principal point.
 const PIXELS: [&str; 4] = ["fx", "fy", "cx", "cy"];
 
-/// The lens that `lens` names, whose pixels are those of the image; `None` without the key.
+/// The lens that `lens` names, whose pixels are the image's; `None` without the key.
 pub(super) fn named(table: &TomlTable<'_>, image: &ImagePlane) -> Result<Option<Lens>> {
     let Some(value) = table.get("lens") else {
         let idle = PIXELS.iter().chain(&["coefficients"]).find_map(|key| table.get(key));

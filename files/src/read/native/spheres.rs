@@ -190,7 +190,7 @@ pub(in crate::read) fn rows_of(spheres: Spheres) -> SphereRows {
 /// Appends the rows that `read` appends, in the same memory.
 ///
 /// # Errors
-/// Those of `read`, which leave no spheres.
+/// Errors of `read`, which leave no spheres.
 fn append_rows(spheres: &mut Spheres, read: impl FnOnce(&mut SphereRows) -> Result<()>) -> Result<()> {
     let before = spheres.len();
     let Spheres { centers, radii, colors, mut materials, mut opacities, cuts } = std::mem::take(spheres);

@@ -141,7 +141,7 @@ impl<'a> TomlTable<'a> {
         Ok(opacity)
     }
 
-    /// The place of a key's value; without the key, that of the key `other` or of the table.
+    /// The place of a key's value; without the key, the place of the key `other` or of the table.
     pub(super) fn place_of(&self, key: &str, other: &str) -> Place {
         let value = self.keys.get(key).or_else(|| self.keys.get(other));
         self.doc.place(value.map_or(self.start, |value| value.span().start))

@@ -26,7 +26,7 @@ const BLOCK: usize = 1 << 18;
 /// Blocks that are read ahead.
 const AHEAD: usize = 2;
 
-/// The spheres of a scene file: its own, and those of the files that it refers to.
+/// The spheres of a scene file: its own, and the spheres of the files that it refers to.
 struct InBlocks {
     own: SphereRows,
     files: Vec<NamedSpheres>,
@@ -128,8 +128,8 @@ pub(super) fn colors_of(path: &Path, options: &ReadOptions) -> Result<Option<Col
     Ok(Some(colors))
 }
 
-/// The columns among these in which some row of the frame has a text; none where the file cannot be read to its end, so that the
-/// error is that of its row.
+/// The columns among these in which some row of the frame has a text. None where the file cannot be read to its end, so that the
+/// error is reported at its row.
 pub(super) fn texts_of(path: &Path, options: &ReadOptions, columns: &[String]) -> Result<Vec<String>> {
     let source = SceneSource::open(path, options.particles.known_format(), &options.particles.watch)?;
     let survey = Survey::default();

@@ -54,7 +54,7 @@ pub(super) fn is_painted(paint: &[u16], n: usize) -> bool {
     paint.get(n).is_some_and(|rule| *rule > 0)
 }
 
-/// The legend of two parts of a file: names in their order, elements in that of [`elements`].
+/// The legend of two parts of a file: names in their order, elements in the order of [`elements`].
 pub(in crate::read) fn joined_categories(mut first: Legend, second: &Legend) -> Legend {
     let rows = [(&mut first.categories, &second.categories), (&mut first.overrides, &second.overrides)];
     for (rows, more) in rows {

@@ -8,7 +8,7 @@ use halfline::quote::setting::{COLOR, COLOR_BY, LOG, MAP, NAN_COLOR, RANGE};
 /// The source of the colours.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Coloring {
-    /// The file's colours, else those of the elements, else none.
+    /// The file's colours, else the elements' colours, else none.
     #[default]
     File,
     /// The elements' colours, even if the file has colours.
@@ -20,7 +20,7 @@ pub enum Coloring {
 }
 
 impl Coloring {
-    /// The colours that options ask for: one for all, or those of columns with commas between them, by the map, the range and the
+    /// The colours that options ask for: one for all, or colours of columns with commas between them, by the map, the range and the
     /// logarithm of a scale.
     ///
     /// # Errors

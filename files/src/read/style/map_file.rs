@@ -19,7 +19,7 @@ const STEPS: u32 = 255;
 const MEND: &str = "give a colour in each row: three numbers from 0 to 1 or from 0 to 255, or #rrggbb; or JSON with a list of \
                     them, or with ParaView's RGBPoints";
 
-/// The colour map of this name, or of the file of this name. A name with a dot or a slash is that of a file.
+/// The colour map of this name, or of the file of this name. A name with a dot or a slash names a file.
 ///
 /// # Errors
 /// [`Error::Settings`] for an unknown name, [`Error::Scene`] for a file that has no colours, [`Error::Io`].

@@ -16,7 +16,7 @@ use std::borrow::Cow;
 /// Values beyond the ends of the colours are reported where they are more than this part of all.
 const MANY: usize = 4;
 
-/// The share of a colour map at one of its ends, and the part of all values of which all but one in so many lie there, that is reported.
+/// The share of a colour map at one of its ends, and the number n: reported if all values but one in n lie there.
 const CROWDED: f64 = 0.05;
 const REST: usize = 20;
 

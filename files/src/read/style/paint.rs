@@ -18,7 +18,7 @@ pub enum Paint {
     Element,
 }
 
-/// The rows of [`Paint::Element`]: atomic numbers, of which 0 is an unknown element.
+/// The rows of [`Paint::Element`]: atomic numbers; 0 is an unknown element.
 const ELEMENTS: usize = 119;
 
 impl Paint {
@@ -51,7 +51,7 @@ pub(in crate::read) fn check(paints: &[(Selection, Paint)], elements: &[u8]) -> 
     }
 }
 
-/// The labels and colours of the rows of rules in a legend: one of each colour, and those of all elements.
+/// The labels and colours of the rows of rules in a legend: one of each colour, and the rows of all elements.
 pub(in crate::read) fn rows(paints: &[(Selection, Paint)]) -> impl Iterator<Item = (String, [f32; 3])> {
     paints.iter().flat_map(|(selection, paint)| {
         (0..paint.rows()).map(|row| {

@@ -25,7 +25,7 @@ pub struct Scale {
     pub log: bool,
     /// Linear RGB of particles without a number; `None` takes a grey.
     pub nan_color: Option<[f32; 3]>,
-    /// Names of categories whose colours are fixed, in the order of their colours: a film keeps those of its first frame.
+    /// Names of categories whose colours are fixed, in the order of their colours: a film keeps the names of its first frame.
     /// Others follow in the file's order.
     pub names: Vec<String>,
     /// The place for the values of all frames, where their percentiles are to be found.
@@ -59,7 +59,7 @@ impl PartialEq for GatheredValues {
 }
 
 impl Scale {
-    /// The values at the map's ends, as far as they are known without the particles: those given, or those of the map.
+    /// The values at the map's ends, as far as they are known without the particles: the given values, or the map's.
     #[must_use]
     pub fn known_range(&self) -> Option<[f64; 2]> {
         match self.range {

@@ -1,5 +1,5 @@
 //! Names of unfinished files. They are needed where a complete file replaces another, and on file systems without
-//! anonymous files (NFS, those of macOS and Windows). The unfinished file of a killed process is removed by the next
+//! anonymous files (NFS, file systems of macOS and Windows). The unfinished file of a killed process is removed by the next
 //! process that writes the same file, if its lock shows that it is abandoned.
 
 use std::fs::{self, File};

@@ -29,7 +29,7 @@ pub struct CloudSummary {
     pub points: u64,
     /// The number of rays without a hit, or of beams without an echo, which are left out.
     pub left_out: u64,
-    /// The largest difference between a coordinate of the file and that of the hit in f64; 0 in PLY.
+    /// The largest difference between a coordinate of the file and the hit's coordinate in f64; 0 in PLY.
     pub rounding: f64,
     /// The largest distance of a hit from the origin of its ray; 0 without hits.
     pub farthest: f64,

@@ -131,7 +131,7 @@ fn extra(fields: Fields) -> Vec<(&'static str, u8, &'static str)> {
 }
 
 /// The exponent of a finite number: 2^exponent is at most its absolute value, and more than half of it. Below the normal
-/// numbers it is that of the least normal one.
+/// numbers it is the exponent of the least normal one.
 fn exponent(x: f64) -> i32 {
     ((x.to_bits() >> 52 & 0x7ff) as i32 - 1023).max(-1022)
 }

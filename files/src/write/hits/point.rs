@@ -13,8 +13,8 @@ pub(super) struct Point {
     pub(super) distance: f64,
     /// The index of the sphere.
     pub(super) id: i32,
-    /// The ring and the column of the ray, or of rays that are not a scan their number from 0 and 0; the number of the
-    /// return and that of returns.
+    /// The ring and the column of the ray, or of rays that are not a scan their number from 0 and 0. The number of the
+    /// return and the count of returns.
     pub(super) numbers: [u32; 4],
     /// The intensity of an echo, 0 to 1; 0 for hits.
     pub(super) intensity: f32,

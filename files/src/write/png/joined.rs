@@ -28,7 +28,7 @@ impl Part {
     /// Compresses `content`.
     ///
     /// # Errors
-    /// None for memory; the type is that of the compressor.
+    /// None for memory; the type is the compressor's.
     pub(super) fn new(content: &[u8]) -> io::Result<Self> {
         let mut compressor = fdeflate::Compressor::new(Vec::with_capacity(content.len() / 2))?;
         compressor.write_data(content)?;

@@ -5,7 +5,7 @@ use halfline_ground::quote::quote;
 use std::fmt::{self, Display};
 use std::str::FromStr;
 
-/// The columns of the Atoms section by style, those of the manual, and of `fields_data_atom` of styles that its table lacks. `x y z` are
+/// The columns of the Atoms section by style: from the manual, and from `fields_data_atom` for styles that its table lacks. `x y z` are
 /// coordinates, `diameter` is a diameter.
 const STYLES: [(&str, &str); 31] = [
     ("amoeba", "id mol type q x y z"),
@@ -70,7 +70,7 @@ impl AtomStyle {
         comment.split_whitespace().count() == 1 && comment.chars().any(char::is_alphabetic)
     }
 
-    /// The style with these words; `None` for other words than those of styles.
+    /// The style with these words; `None` for words that name no style.
     fn of_words(words: &[&str]) -> Option<Self> {
         let name = words.iter().map(|word| plain(word)).collect::<Vec<_>>().join(" ");
         match words {

@@ -114,7 +114,7 @@ fn fields<'a>(first: &'a PointCloud, others: &[PointCloud]) -> Vec<(String, &'a 
 
 const REAL: Scalar = Scalar::float(8, false);
 
-/// The type of a field's numbers, by which those of colours are levels.
+/// The type of a field's numbers, by which numbers of colours are levels.
 fn scalar(field: &Record) -> Scalar {
     match field.data_type {
         RecordDataType::Integer { min: 0.., max: ..=0xff } => Scalar::unsigned(1, false),

@@ -133,7 +133,7 @@ fn images_unwrap_a_film() {
     let (has, found) = xs(&chunks);
     assert_eq!(has, [11, 11]);
     assert_eq!(found.into_iter().map(|xs| xs.expect("images")).collect::<Vec<_>>(), [[4.0, -4.0], [3.0, 6.0]]);
-    // Those of the first frame hold for a frame without.
+    // The images of the first frame hold for a frame without them.
     let mut chunks = two();
     chunks.insert(3, image(0, [-1, 0, 0, 2, 0, 0]));
     let (_, found) = xs(&chunks);

@@ -1,4 +1,4 @@
-//! The fields of a point behind those of its format, which a record of the header describes (LAS Specification 1.4, Extra Bytes).
+//! The fields of a point behind the fields of its format; a record of the header describes them (LAS Specification 1.4, Extra Bytes).
 
 use crate::npy::header::Scalar;
 use halfline_ground::quote::{count, quote};
@@ -44,7 +44,7 @@ impl ExtraField {
     }
 
     /// Whether a number is the one that means none. The specification widens it to 8 bytes, which leaves the first bytes of an
-    /// integer; some writers leave those of a float too.
+    /// integer; some writers leave the first bytes of a float too.
     fn is_none(&self, bytes: &[u8]) -> bool {
         let Some(none) = self.no_data else { return false };
         match (self.scalar.is_whole(), bytes.len()) {
@@ -125,7 +125,7 @@ mod tests {
             all
         };
         let (signed, float) = ((-99i64).to_le_bytes(), (-99f64).to_le_bytes());
-        // The type, the bytes of -99 or 99 in a point, and those of the description, widened and as they are.
+        // The type, the bytes of -99 or 99 in a point, and its bytes in the description, widened and as they are.
         for (kind, raw, wide) in [
             (1, vec![99], 99u64.to_le_bytes()),
             (2, (-99i8).to_le_bytes().to_vec(), signed),

@@ -1,6 +1,6 @@
 //! BinaryCIF: the categories of CIF as columns of encoded bytes in MessagePack (Sehnal et al., PLoS Comput. Biol. 16, e1008247 (2020);
 //! github.com/molstar/BinaryCIF, version 0.3). It is read as the words that the same file has in text: each category is a loop.
-//! The columns are decoded row by row, so that the memory is that of the encoded bytes.
+//! The columns are decoded row by row, so that the memory is as large as the encoded bytes.
 
 mod column;
 mod values;
@@ -24,7 +24,7 @@ const DAMAGED: &str = "the file is damaged; copy or write it again, or use the e
 /// The most levels of maps and arrays; an encoded column of strings has about twenty.
 const DEPTH: usize = 64;
 
-/// The most values, and the most bytes of their words, for each byte of the file: those of entries of the PDB are about 10.
+/// The most values, and the most bytes of their words, for each byte of the file: entries of the PDB have about 10.
 const MOST_TIMES: u64 = 64;
 
 /// A file's words.
@@ -84,7 +84,7 @@ impl BinaryTokens {
         self.next_as(Want::Word)
     }
 
-    /// Moves to the next word, of which this is needed.
+    /// Moves to the next word; `want` is the part that is needed.
     pub(super) fn next_as(&mut self, want: Want) -> Result<Token> {
         if let Some(token) = self.kept.take() {
             return Ok(token);

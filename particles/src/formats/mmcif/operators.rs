@@ -130,7 +130,7 @@ impl Operators {
     /// Stores the current value.
     ///
     /// # Errors
-    /// [`Error::Limits`] where memory is short, and those of [`Tokens::string`].
+    /// [`Error::Limits`] where memory is short, and errors of [`Tokens::string`].
     pub(super) fn take(&mut self, item: OperatorItem, tokens: &Tokens) -> Result<()> {
         if matches!(
             item,

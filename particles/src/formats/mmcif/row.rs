@@ -198,7 +198,7 @@ impl AtomColumns {
 /// The category of the atoms of a chemical component.
 const COMPONENT: &str = "_chem_comp_atom.";
 
-/// Its items, in the dictionaries of the PDB and of monomers of CCP4, that have another name than those of `_atom_site`.
+/// Its items, in the dictionaries of the PDB and of monomers of CCP4, that have another name than in `_atom_site`.
 const COMPONENT_ITEMS: [(&str, &str); 11] = [
     ("atom_id", "label_atom_id"),
     ("comp_id", "label_comp_id"),
@@ -376,7 +376,7 @@ impl AtomRow {
     /// Whether the atom has a position.
     ///
     /// # Errors
-    /// [`Error::Scene`] for an atom of which some coordinates are missing.
+    /// [`Error::Scene`] for an atom that lacks some coordinates.
     pub(super) fn is_placed(&self, layout: &AtomColumns, file: impl FnOnce() -> Place) -> Result<bool> {
         let position = if layout.ideal { self.ideal } else { self.position };
         match position.map(f64::is_nan) {

@@ -247,7 +247,7 @@ fn symmetry_fills_the_cell_of_a_small_molecule() {
     assert_eq!(read(&entry, &options(&[])).expect("atoms")[0].positions.len(), 4);
 }
 
-/// Rows of models in any order are those of the models one after the other.
+/// Rows of models in any order are read as the models one after the other.
 #[test]
 fn rows_of_models_need_not_follow_each_other() {
     let head = "data_x\nloop_\n_atom_site.id\n_atom_site.type_symbol\n_atom_site.Cartn_x\n_atom_site.Cartn_y\n\

@@ -25,7 +25,7 @@ macro_rules! either {
 }
 
 impl Tokens {
-    /// The words of a file; of BinaryCIF those of the categories of which `is_used` knows a tag in lower case.
+    /// The words of a file; of BinaryCIF the words of categories with a tag that, in lower case, `is_used` knows.
     pub(super) fn new(mut source: Source, is_used: fn(&str) -> bool) -> Self {
         // An error is returned by the next reading.
         let is_binary = source.reader.fill_buf().is_ok_and(|bytes| bytes.first().is_some_and(|byte| is_map(*byte)));
@@ -40,7 +40,7 @@ impl Tokens {
         either!(self, tokens => tokens.next())
     }
 
-    /// Moves to the next word, of which this is needed. Words of text are words in any case.
+    /// Moves to the next word; `want` is the part that is needed. Words of text are words in any case.
     pub(super) fn next_as(&mut self, want: Want) -> Result<Token> {
         match self {
             Self::Text(tokens) => tokens.next(),

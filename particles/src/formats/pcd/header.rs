@@ -33,7 +33,7 @@ pub(super) struct PcdField {
 pub(super) enum PcdKind {
     /// Bytes without meaning.
     Padding,
-    /// A colour in one number, 0xRRGGBB, whose bits may be those of a float.
+    /// A colour in one number, 0xRRGGBB, perhaps as the bits of a float.
     Color,
     Numbers,
 }

@@ -1,4 +1,4 @@
-//! The last columns of PDBQT and PQR files, which differ from those of PDB.
+//! The last columns of PDBQT and PQR files, which differ from the columns of PDB.
 //!
 //! PDBQT (autodock.scripps.edu/faqs-help/faq/what-is-the-format-of-a-pdbqt-file): a partial charge in columns 71 to 76
 //! and an AutoDock atom type in 78 and 79. PQR (pdb2pqr.readthedocs.io/en/latest/formats/pqr.html): words separated by

@@ -91,7 +91,7 @@ pub(super) fn is_free(lines: &[&str]) -> bool {
     is_pdb(lines) && free > fit
 }
 
-/// The same, or atoms with charges: numbers in the columns of the occupancy of which some are negative.
+/// The same, or atoms with charges: numbers in the columns of the occupancy, some of them negative.
 pub(super) fn is_pqr(lines: &[&str]) -> bool {
     let negative = |atom: &str| run(atom) == 5 && column_numbers(atom).is_some_and(|numbers| numbers[3] < 0.0);
     is_free(lines) || is_pdb(lines) && atoms(lines).any(negative)

@@ -21,7 +21,7 @@ pub(super) const PACKED: &str = "packed_position";
 /// The constant spherical harmonic, 1 / (2 sqrt(pi)).
 const CONSTANT: f64 = 0.282_094_791_773_878_14;
 
-/// The places of a splat's numbers among those of a vertex.
+/// The places of a splat's numbers among the numbers of a vertex.
 pub(super) struct Splat {
     /// None where the vertices have colours.
     harmonics: Option<[usize; 3]>,
@@ -117,7 +117,7 @@ mod tests {
         "rot_2", "rot_3",
     ];
 
-    /// A file with these fields before those of a row of numbers, as text and in binary.
+    /// A file with these fields and this row of numbers, as text and in binary.
     fn files(fields: &[&str], row: &[f32]) -> [Vec<u8>; 2] {
         let header = |format: &str| {
             let properties: String = fields.iter().map(|field| format!("property float {field}\n")).collect();

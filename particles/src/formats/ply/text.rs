@@ -89,7 +89,7 @@ pub(super) fn pass(lines: &mut Lines<Input>, element: &PlyElement) -> Result<u64
     if element.properties.is_empty() { lines.pass(element.count) } else { lines.pass_filled(element.count) }
 }
 
-/// Checks that the lines after the vertices are those of the other elements, so that no vertex is among them.
+/// Checks that the lines after the vertices belong to the other elements, so that no vertex is among them.
 pub(super) fn rest_of_text(
     lines: &mut Lines<Input>,
     vertices: &PlyElement,

@@ -43,7 +43,7 @@ fn name_them() -> String {
 
 impl TableHeader {
     /// Finds the header, which may be a comment or missing, and whether the current line is a row. `given` has the meaning
-    /// of columns whose names do not say it, and `kind` that of a table without a header.
+    /// of columns whose names do not say it, and `kind` the columns of a table without a header.
     ///
     /// # Errors
     /// [`Error::Scene`] for a table without named coordinates, and without a column that is given.
@@ -185,7 +185,7 @@ impl TableHeader {
     }
 }
 
-/// The meaning of each column: the given one, else that of its name; and what to say of columns that are not taken.
+/// The meaning of each column: the given one, else by its name; and what to say of columns that are not taken.
 fn roles(names: &[String], fixed: &[Option<Role>], axes: &Axes) -> (Vec<Role>, Vec<String>) {
     let fields: Vec<NamedField<'_>> =
         names.iter().map(|name| NamedField { name, count: 1, kind: FieldKind::Text }).collect();

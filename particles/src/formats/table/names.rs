@@ -18,7 +18,7 @@ pub(super) fn split(name: &str) -> (String, String) {
     (name, String::new())
 }
 
-/// Names that ParaView gives to the coordinates of points in CSV files, in lower case; the second are those of its
+/// Names that ParaView gives to the coordinates of points in CSV files, in lower case; the second are from its
 /// spreadsheet (docs.paraview.org/en/latest/UsersGuide/savingResults.html).
 const POINTS: [[&str; 3]; 2] = [["points:0", "points:1", "points:2"], ["points_0", "points_1", "points_2"]];
 
@@ -26,7 +26,7 @@ const POINTS: [[&str; 3]; 2] = [["points:0", "points:1", "points:2"], ["points_0
 pub(crate) struct Axes {
     /// The unit of length after the names; empty for none.
     pub(super) unit: String,
-    /// Names other than x, y and z: those of ParaView.
+    /// Names other than x, y and z, from ParaView.
     points: Option<[&'static str; 3]>,
 }
 
@@ -47,7 +47,7 @@ impl Axes {
     }
 }
 
-/// The columns x, y and z, where there are such columns; else those of ParaView.
+/// The columns x, y and z, where there are such columns; else the columns of ParaView.
 pub(crate) fn axes(names: &[String]) -> Option<Axes> {
     let parts: Vec<_> = names.iter().map(|name| split(name)).collect();
     // Names without a unit first.

@@ -129,8 +129,7 @@ impl Dcd {
     }
 
     /// Skips the titles, of 80 bytes each after their number. Versions of MDAnalysis write a marker for two titles and
-    /// three titles (package 2.11, coordinates/test.dcd), so their number counts. Returns whether the first is that of
-    /// LAMMPS.
+    /// three titles (package 2.11, coordinates/test.dcd), so their number counts. Returns whether the first is by LAMMPS.
     fn titles(&mut self, header: DcdHeader) -> Result<bool> {
         let (field, at) = ("titles", self.file.at());
         let length = self.length(header, field)?;

@@ -63,7 +63,7 @@ pub(super) fn unpack(
         let mut whole = if apart {
             let mut whole = [0; 3];
             for (x, range) in whole.iter_mut().zip(ranges) {
-                // A range of 2^32 has 33 bits, of which the format stores 32.
+                // A range of 2^32 has 33 bits; the format stores 32 of them.
                 *x = bits.take(length(range).min(32))? as i64;
             }
             whole
@@ -118,7 +118,7 @@ impl Small {
 /// Bits, the highest of each byte first.
 struct Bits<'a> {
     bytes: &'a [u8],
-    /// The last bytes, of which the lowest `count` bits were not taken yet.
+    /// The last bytes; their lowest `count` bits were not taken yet.
     buffer: u64,
     count: u32,
 }

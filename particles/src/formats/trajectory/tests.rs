@@ -152,7 +152,7 @@ fn dcd(how: How) -> Vec<u8> {
     let mut control = [0; 20];
     (control[0], control[8], control[19]) = (2, if how.fixed { 2 } else { 0 }, 24);
     (control[10], control[11]) = (i32::from(how.cell.is_some()), i32::from(how.fourth));
-    // The first frame is that of step 1000, others follow every 250, and a step takes 0.5 AKMA units.
+    // The first frame is of step 1000, others follow every 250, and a step takes 0.5 AKMA units.
     (control[1], control[2], control[9]) = (1000, 250, 0.5f32.to_bits() as i32);
     let first = [b"CORD".to_vec(), control.iter().flat_map(|x| int(*x)).collect()].concat();
     let mut bytes = [record(first), record([int(1), vec![b' '; 80]].concat()), record(int(3))].concat();

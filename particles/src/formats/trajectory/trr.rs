@@ -1,6 +1,6 @@
 //! GROMACS TRR: frames of positions, velocities and forces as real numbers in XDR
 //! (manual.gromacs.org/current/reference-manual/file-formats.html#trr). Nanometres are converted to ångström; velocities
-//! stay in nm/ps, as those of GRO. Frames without positions are skipped and not counted.
+//! stay in nm/ps, as in GRO. Frames without positions are skipped and not counted.
 
 use super::moment::{Moment, Moments};
 use super::xdr::{DOUBLE, NANOMETRE, SINGLE, atoms, cell, int, real, vectors};

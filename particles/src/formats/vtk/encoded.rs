@@ -220,7 +220,7 @@ fn read(from: impl Read, size: usize, into: &mut Vec<u8>) -> Result<(), Fault> {
     }
 }
 
-/// The numbers of a text, as those of the type of the array.
+/// The numbers of a text, as numbers of the array's type.
 pub(super) fn numbers_of_text(text: &[u8], scalar: Scalar, count: usize) -> Result<Vec<f64>, Fault> {
     let words = text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     let mut numbers = Vec::new();

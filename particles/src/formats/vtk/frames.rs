@@ -1,4 +1,4 @@
-//! The frames of a file: its points, those of the files that it names, or a collection of times.
+//! The frames of a file: its points, the points of the files that it names, or a collection of times.
 
 use super::legacy;
 use super::points::Pieces;

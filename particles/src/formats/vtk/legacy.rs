@@ -298,7 +298,7 @@ impl File<'_> {
         within(components.unwrap_or(1))
     }
 
-    /// The cells: those of version 5 by two lists, before that one list of int32.
+    /// The cells: in version 5 two lists, before that one list of int32.
     fn pass_cells(&mut self) -> Result<(), Fault> {
         let (first, second) = (self.count("the number of cells")?, self.count("the size of the cells")?);
         let before = self.at;

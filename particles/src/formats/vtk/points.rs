@@ -96,7 +96,7 @@ impl Pieces {
 fn fields(piece: &Piece) -> Vec<(&str, &Array)> {
     let has =
         |name: &str| piece.arrays.iter().any(|array| array.name.eq_ignore_ascii_case(name) && array.components == 1);
-    // The coordinates are those of the points, whatever the arrays are called.
+    // The coordinates come from the points, whatever the arrays are called.
     let is_axis = |name: &str| ["x", "y", "z"].iter().any(|axis| name.eq_ignore_ascii_case(axis));
     let has_axes = ["x", "y", "z"].into_iter().all(has);
     let arrays = piece.arrays.iter().filter(|array| !(has_axes && is_axis(&array.name)));
@@ -122,7 +122,7 @@ fn arrays_of<'a>(piece: &'a Piece, names: &[&str], file: &Place) -> Result<Vec<&
     names.iter().map(of).collect()
 }
 
-/// Adds the points of a piece, of which the first has this number.
+/// Adds the points of a piece; the first has the number `before`.
 fn add_points(
     layout: &Layout,
     arrays: &[&Array],

@@ -190,7 +190,7 @@ impl File<'_> {
         Ok(false)
     }
 
-    /// The number of points of a piece; of a structured grid that of its extent.
+    /// The number of points of a piece; for a structured grid, from its extent.
     fn points(&self, of: &dyn Fn(&str) -> Result<Option<String>, String>) -> Result<u64, String> {
         if let Some(text) = of("NumberOfPoints")? {
             return text.parse().map_err(|_| format!("{} is not a number of points", quote(&text)));

@@ -67,7 +67,7 @@ fn items<'a, T>(
     delimited(open, repeat(0.., terminated(item, ends)), (multispace0, close))
 }
 
-/// A text in quotes, behind any blanks. Of the escapes only those of a quote and a backslash are read.
+/// A text in quotes, behind any blanks. Only the escapes of a quote and of a backslash are read.
 fn text(input: &mut &str) -> Found<String> {
     let quote = preceded(multispace0, one_of(['\'', '"'])).parse_next(input)?;
     let letter = alt((none_of([quote, '\\']), preceded('\\', one_of(['\'', '"', '\\']))));

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// Atoms of another program, as slices with an entry for each. All but the names may be empty, where nothing is known.
 #[derive(Debug, Clone, Copy)]
 pub struct NamedAtoms<'a, S> {
-    /// Names, such as `CA`, `OW` or `MW`; for atoms without names those of their types.
+    /// Names, such as `CA`, `OW` or `MW`; for atoms without names the names of their types.
     pub names: &'a [S],
     /// Symbols of elements, as far as they are known; everything else is inferred.
     pub symbols: &'a [S],
@@ -66,7 +66,7 @@ pub fn elements_of_names<S: AsRef<str>>(atoms: &NamedAtoms<'_, S>) -> Result<Nam
     let inferred = inference.finish(&mut elements);
     let mut warnings = inferred.sentences_of("the topology", given as u64);
     let is_site: Vec<bool> = elements.iter().map(|code| is_site(*code)).collect();
-    // The mass of a bead is that of several atoms.
+    // The mass of a bead is the mass of several atoms.
     let by_mass = inferred.beads == 0 && atoms.masses.iter().any(|mass| mass.fract() != 0.0);
     let (mut weighed, mut names) = (0, BTreeMap::<&str, u64>::new());
     for (n, code) in elements.iter_mut().enumerate() {

@@ -65,7 +65,7 @@ impl Species {
         other.sites.iter().for_each(|(name, n)| tally(&mut self.sites, name, *n));
     }
 
-    /// Turns codes into atomic numbers, except those of virtual sites. Returns the messages, and whether there are
+    /// Turns codes into atomic numbers, except codes of virtual sites. Returns the messages, and whether there are
     /// virtual sites.
     pub(crate) fn settle(self, codes: &mut [u8]) -> (Vec<String>, bool) {
         let mut names = 0_u64;
@@ -103,7 +103,7 @@ impl Species {
         (if named { rules::of_name(symbol.to_ascii_uppercase().as_bytes()) } else { number }, named)
     }
 
-    /// The messages about `of` particles, of which `names` have symbols that are names.
+    /// The messages about `of` particles; `names` of them have symbols that are names.
     fn messages(&self, of: u64, names: u64) -> Vec<String> {
         let mut messages = Vec::new();
         let named: u64 = self.named.iter().sum();
@@ -126,7 +126,7 @@ impl Species {
     }
 }
 
-/// Whether a code is that of a symbol that may be a name.
+/// Whether a code stands for a symbol that may be a name.
 fn is_unsure(code: u8) -> bool {
     code > UNSURE && code != SITE
 }

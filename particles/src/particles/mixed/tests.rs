@@ -24,7 +24,7 @@ const NUMBERS: [&str; 8] = ["1", "1.50", "007", "-2e3", "nan", "inf", "0.1", "+4
 const WORDS: [&str; 6] = ["NA", "n/a", "null", "-", "?", "None"];
 const TEXTS: [&str; 5] = ["zz", "1abc", "2024-01-02", "a b", "\u{e9}"];
 
-/// A column of so many rows, of which the first texts are as others, and whether it is one of texts.
+/// A column of so many rows, whose texts are drawn from `of` besides `late`, and whether it is one of texts.
 fn column(
     draw: &mut Draw,
     rows: usize,

@@ -54,8 +54,8 @@ impl Images {
     }
 }
 
-/// The edges along which a cell does not repeat, by a word for each: `F` of extended XYZ's `pbc`, and LAMMPS' kinds of boundaries, of which
-/// `p` is periodic and `f`, `s` and `m` are not (docs.lammps.org/boundary.html). Other words are left out.
+/// The edges along which a cell does not repeat, by a word for each: `F` of extended XYZ's `pbc`, and LAMMPS' kinds of boundaries
+/// (docs.lammps.org/boundary.html). There `p` is periodic, and `f`, `s` and `m` are not. Other words are left out.
 pub(crate) fn open_edges<'a>(words: impl Iterator<Item = &'a str>) -> [bool; 3] {
     let is_open = |word: &str| match word {
         "T" | "True" | "true" | "1" | "pp" => Some(false),

@@ -8,7 +8,7 @@ use halfline_ground::parallel::{self, CHEAP};
 use halfline_ground::quote::setting::UNWRAP;
 
 /// The pairs of atoms whose nearest images are at most the sum of their reaches apart, as far as they are wanted: each once,
-/// the lower index first, in ascending order. An atom with the reach 0 is in none. The time is that of the atoms and their
+/// the lower index first, in ascending order. An atom with the reach 0 is in none. The time grows with the atoms and their
 /// neighbours: cells as wide as the longest reach hold few of them.
 ///
 /// # Errors
@@ -54,7 +54,7 @@ pub(super) fn pairs(
 /// Atoms whose pairs one job finds.
 const ATOMS_PER_JOB: usize = 1 << 8;
 
-/// The most pairs within cells for each atom, and in all: those of bonds are some 15, and of a thousand atoms at one place a thousand.
+/// The most pairs within cells for each atom, and in all: bonds give some 15, and a thousand atoms at one place a thousand.
 const MOST_PAIRS: u64 = 1 << 10;
 const FEW_PAIRS: u64 = 1 << 24;
 

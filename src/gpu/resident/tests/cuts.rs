@@ -41,7 +41,7 @@ fn plane(scene: &Scene, rng: &mut Rng) -> CutPlane {
     CutPlane { normal: normal.to_array(), distance: dot3(normal.to_array(), through.to_array()) }
 }
 
-/// The proved pixels of faces: their normals are those of planes.
+/// The proved pixels of faces: their normals are the normals of planes.
 fn faces(planes: &[CutPlane], device: &Raw) -> usize {
     let normals: Vec<DVec3> = planes.iter().map(|plane| DVec3::from_array(plane.normal).normalize()).collect();
     let is_face = |normal: &[f32]| {

@@ -1,4 +1,4 @@
-//! Pictures that a device draws, beside those of the host.
+//! Pictures that a device draws, beside the pictures of the host.
 
 use super::trial::{DECIDED, MOST, colors, is_alike};
 use super::*;

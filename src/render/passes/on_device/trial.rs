@@ -59,7 +59,7 @@ pub(super) fn is_alike(a: &[f32], b: &[f32]) -> bool {
 
 impl Renderer {
     /// Has the device draw a small picture, unless it did before or leaves pictures to the host, and compares it with the host's, as a
-    /// part of the setup. An error of the device is that of the frame that follows.
+    /// part of the setup. An error of the device becomes an error of the frame that follows.
     pub(in crate::render) fn try_drawing(&mut self) {
         let Some(gpu) = self.device.gpu.as_mut().filter(|gpu| gpu.draws.is_none()) else { return };
         gpu.draws = Some(true);

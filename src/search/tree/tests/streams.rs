@@ -1,4 +1,4 @@
-//! Streams of rays: their answers are those of exact arithmetic or none, on every kind of vectors, and their margin is needed.
+//! Streams of rays: they answer as exact arithmetic does or not at all, on every kind of vectors, and their margin is needed.
 
 use super::{point, scenes};
 use crate::exact::judge_ray;
@@ -63,7 +63,7 @@ fn is_alike(a: Hidden, b: Hidden) -> bool {
     a == b || a == Hidden::Unsure || b == Hidden::Unsure
 }
 
-/// A scene, and rays of one direction from points outside of all its spheres, many of which touch one.
+/// A scene, and rays of one direction from points outside of all its spheres; many rays touch one.
 struct Case {
     spheres: Spheres,
     direction: [f64; 3],

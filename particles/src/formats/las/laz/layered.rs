@@ -40,7 +40,7 @@ pub(super) struct Layered {
 /// The state of a channel.
 struct Channel {
     last: [u8; 30],
-    /// Whether the time of its last point was another than that of the point before.
+    /// Whether the time of its last point differed from the time of the point before.
     timed: bool,
     intensities: [u16; 8],
     steps: [[Median; 2]; 12],
@@ -261,7 +261,7 @@ impl Channel {
             point[16] = layer.symbol(self.class.at(context))? as u8;
         }
         if let Some(layer) = &mut layers[FLAGS] {
-            // In a code the bits of direction and edge follow those of the flags; in a point the channel is between them.
+            // In a code the bits of direction and edge follow the bits of the flags; in a point the channel is between them.
             let context = point[15] >> 2 & 0x30 | point[15] & 15;
             let flags = layer.symbol(self.flags.at(context.into()))? as u8;
             point[15] = (flags & 0x30) << 2 | point[15] & 0x30 | flags & 15;

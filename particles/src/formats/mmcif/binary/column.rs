@@ -116,7 +116,7 @@ impl Column {
     }
 }
 
-/// The values of `{data, encoding}`, of which `count` are used.
+/// The values of `{data, encoding}`; `count` of them are used.
 fn values(mut encoded: Value, count: u64) -> Found<Values> {
     let Some(Value::Binary(bytes)) = field(&mut encoded, "data") else { return Err("data has no bytes".to_owned()) };
     decode(bytes, field(&mut encoded, "encoding"), count)

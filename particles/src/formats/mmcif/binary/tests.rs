@@ -15,7 +15,7 @@ fn byte_array(kind: i64) -> Value {
     map(vec![("kind", "ByteArray".into()), ("type", kind.into())])
 }
 
-/// Bytes of numbers with these encodings before that of the bytes.
+/// Bytes of numbers with these encodings before the encoding of the bytes.
 fn encoded(numbers: &[i8], before: Vec<Value>) -> Value {
     let encoding = before.into_iter().chain([byte_array(1)]).collect();
     map(vec![("data", bytes_of(numbers)), ("encoding", Value::Array(encoding))])
@@ -130,7 +130,7 @@ fn problems_of_columns_are_named() {
     assert_eq!(words(strings("a", &[0, 1], &[0, 0]), encoded(&[0], vec![])), Err("the mask has no value".into()));
 }
 
-/// A file of three atoms of which one has no coordinates.
+/// A file of three atoms, one of them without coordinates.
 fn file(rows: i64) -> Value {
     let column =
         |name: &str, data: Value, mask: Value| map(vec![("name", name.into()), ("data", data), ("mask", mask)]);
@@ -186,7 +186,7 @@ fn damaged_files_are_refused_by_the_place() {
         (written(&file(1 << 40)), "_atom_site: 1099511627776 rows of 5 columns in a file of"),
         (vec![0x80], "dataBlocks: there is no array dataBlocks"),
         ([vec![0x81, 0xa1, b'a'], vec![0x91; 200]].concat(), "MessagePack: more than 64 levels"),
-        // An array of 2^32 - 1 numbers of which one follows.
+        // An array of 2^32 - 1 numbers; one follows.
         (vec![0x81, 0xa1, b'a', 0xdd, 0xff, 0xff, 0xff, 0xff, 1], "MessagePack: the file ends within it"),
         (written(&map(vec![("dataBlocks", Value::Array(vec![]))])), "the file has no atoms"),
         (

@@ -1,4 +1,4 @@
-//! Space groups by their names: the settings of International Tables, of which each has a Hall symbol.
+//! Space groups by their names: the settings of International Tables, each with a Hall symbol.
 
 use super::hall;
 use halfline_ground::Cell;

@@ -19,7 +19,7 @@ struct Symop {
 const ONE: [[i32; 3]; 3] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const INVERSION: [[i32; 3]; 3] = [[-1, 0, 0], [0, -1, 0], [0, 0, -1]];
 
-/// Rotations about z by their order, and those of order 2 about a - b and a + b (table A1.4.2.4 and A1.4.2.5).
+/// Rotations about z by their order, and rotations of order 2 about a - b and a + b (table A1.4.2.4 and A1.4.2.5).
 const ABOUT_Z: [(char, [[i32; 3]; 3]); 6] = [
     ('2', [[-1, 0, 0], [0, -1, 0], [0, 0, 1]]),
     ('3', [[0, -1, 0], [1, -1, 0], [0, 0, 1]]),

@@ -23,7 +23,7 @@ pub(super) enum Frames {
 #[derive(Debug, Clone)]
 pub(super) struct Variable {
     pub(super) name: String,
-    /// The lengths of its dimensions, 0 for that of the records.
+    /// The lengths of its dimensions, 0 for the dimension of the records.
     pub(super) sides: Vec<u64>,
     /// Whether it has numbers for each record.
     pub(super) is_record: bool,
@@ -157,7 +157,7 @@ impl Reading<'_> {
         }
         let factor = self.attributes()?.filter(|factor| factor.is_finite()).unwrap_or(1.0);
         let scalar = self.scalar(field)?;
-        // The size is that of the dimensions; the word has no room for that of a large variable.
+        // The size follows from the dimensions; the word has no room for the size of a large variable.
         self.count(field)?;
         let begin = self.place(field)?;
         let is_record = sides.first() == Some(&0);

@@ -69,7 +69,7 @@ fn operators_are_those_of_the_tables() {
         let found = group(name, monoclinic);
         assert!(found.len() == 4 && expected.iter().all(|rows| found.contains(&Operator(*rows))), "{name}: {found:?}");
     }
-    // The origin of P 31 1 2 is on an axis of order 2, at a third of c from that of its Hall symbol.
+    // The origin of P 31 1 2 is on an axis of order 2, at a third of c from the origin of its Hall symbol.
     let moved = [[0.0, -1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 2.0 / 3.0]];
     assert!(group("P 31 1 2", HEXAGONAL).contains(&Operator(moved)));
     // P 21/n is another cell of the same group: its glide is along a and c.
