@@ -50,7 +50,11 @@ mod tests {
         assert_eq!(both[0].or_make(|_| false, || Err("none")), Err("none"));
         drop(first);
         let make = || Ok::<_, ()>(5);
-        assert_eq!(*both[1].or_make(|value| *value == 3, make).expect("a value"), 5, "nobody kept the first");
+        assert_eq!(
+            *both[1].or_make(|value| *value == 3, make).expect("a value"),
+            5,
+            "the first value has no owner left"
+        );
         assert_eq!(both[0].0.lock().expect("values").len(), 2);
     }
 }

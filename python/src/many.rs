@@ -100,7 +100,7 @@ impl Frames {
                 |made| sender.send(Ok(made)).map_err(|_| Error::Interrupted),
             );
             if let Err(error) = made {
-                // Nobody waits for it where the frames were closed.
+                // After a close there is no receiver.
                 let _ = sender.send(Err(error));
             }
         };

@@ -156,8 +156,7 @@ def prepare(folder: Path) -> None:
     def write(name: str, text: str) -> None:
         (folder / name).write_text(text)
 
-    for name in ("3SN6.cif",):
-        write(name, cif())
+    write("3SN6.cif", cif())
     for name in ("1IHM.pdb", "1tii.pdb", "molecule.pdb", "protein.pdb", "open.pdb", "closed.pdb"):
         write(name, pdb())
     write("run.dump", dump(100))
@@ -253,18 +252,12 @@ def las(rows: NDArray[np.float64]) -> bytes:
 
 def small(words: list[str]) -> list[str]:
     """The command with small pictures, few samples and few frames: where a page has large ones."""
-    changed, sizes = [], {"--samples": "4", "--spin": "3", "--frames": None, "--size": None}
-    for before, given in zip(["", *words], words, strict=False):
-        word = given
-        if before == "--size" and re.fullmatch(r"\d+x(\d+|auto)", word):
-            width, height = word.split("x")
-            word = f"{int(width) // 3}x{height if height == 'auto' else int(height) // 3}"
-        elif before == "--frames" and re.fullmatch(r"1-\d+", word):
-            word = "1-2"
-        elif sizes.get(before):
-            word = sizes[before] or word
-        changed.append(word)
-    return changed
+    line = shlex.join(words)
+    line = re.sub(r"(--size )(\d+)", lambda found: f"{found[1]}{int(found[2]) // 3}", line)
+    line = re.sub(r"(--size \d+x)(\d+)", lambda found: f"{found[1]}{int(found[2]) // 3}", line)
+    for pattern, word in ((r"--samples \d+", "--samples 4"), (r"--spin \d+", "--spin 3")):
+        line = re.sub(pattern, word, line)
+    return shlex.split(re.sub(r"--frames 1-\d+ ", "--frames 1-2 ", line))
 
 
 def reason(line: str) -> str | None:

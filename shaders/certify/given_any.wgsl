@@ -19,11 +19,6 @@ fn keep(k: Best, ray: CertifiedRay, place: u32, bounds: Bounds) -> Best {
     return Best(UNSURE, k.limit);
 }
 
-// The state that leaves the ray to the host.
-fn undecided() -> Best {
-    return Best(UNSURE, -1.0);
-}
-
 // The place of a sphere that is hit, NONE or UNSURE.
 fn answer(k: Best) -> u32 {
     return k.place;

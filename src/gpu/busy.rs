@@ -78,7 +78,7 @@ mod tests {
         assert!((NAP..=start.elapsed()).contains(&busy.total()));
         let total = busy.total();
         thread::sleep(NAP);
-        assert_eq!(busy.total(), total, "nobody waits");
+        assert_eq!(busy.total(), total, "no renderer waits");
         own.during(|| thread::sleep(NAP));
         assert!(busy.total() >= total + NAP);
     }

@@ -14,16 +14,14 @@ pub(crate) struct Binding {
 }
 
 /// The inputs of kernels by their WGSL names; the last two belong to the self-test.
-const INPUTS: [&str; 35] = [
+const INPUTS: [&str; 33] = [
     "view",
     "spheres",
     "residuals",
     "colors",
     "rays",
     "nodes",
-    "boxes",
     "placed",
-    "certified_rays",
     "projection",
     "projected",
     "generals_storage",

@@ -8,7 +8,7 @@ use super::budget::Need;
 use super::engine::BLOCK;
 use super::passes;
 use super::plan::kind::EngineKind;
-use super::plan::{GivenPlan, Plan, lights};
+use super::plan::{Plan, lights};
 use super::renderer::Renderer;
 use super::rendering::{FrameRays, Rendering};
 use super::report;
@@ -171,7 +171,7 @@ fn work(at: &mut Rendering<'_>, setup: &FrameSetup) -> Result<WorkOfPasses> {
 
 /// Whether a kernel or its twin runs.
 fn has_kernel(plan: &Plan) -> bool {
-    plan.engine != EngineKind::Judge && !plan.given.as_ref().is_some_and(GivenPlan::certifies)
+    plan.engine != EngineKind::Judge && !plan.certifies_given()
 }
 
 /// The kernel of a setup by the host, for its general spheres.

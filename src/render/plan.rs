@@ -196,6 +196,11 @@ impl Plan {
         })
     }
 
+    /// Whether its rays are given ones, which the host certifies.
+    pub(crate) fn certifies_given(&self) -> bool {
+        self.given.as_ref().is_some_and(GivenPlan::certifies)
+    }
+
     /// Whether the judge decides only the pixels that the engine does not prove.
     pub(crate) fn proves(&self) -> bool {
         self.accuracy == Accuracy::Certified && self.engine != EngineKind::Judge

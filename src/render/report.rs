@@ -1,7 +1,7 @@
 //! The report of a frame: what the plan decided, and what its passes logged.
 
 use super::missed::missed;
-use super::plan::{GivenPlan, Plan};
+use super::plan::Plan;
 use super::rendering::Rendering;
 use super::setup::FrameSetup;
 use crate::cpu;
@@ -17,9 +17,7 @@ use halfline_ground::parallel;
 /// The report of a frame before it is computed: the decisions of the plan; counts and times are 0 or empty.
 pub(super) fn known(at: &Rendering<'_>, plan: &Plan) -> Report {
     let Rendering { renderer, scene, settings, rays, log, .. } = at;
-    // The host certifies given rays.
-    let by_host = plan.given.as_ref().is_some_and(GivenPlan::certifies);
-    let on_device = renderer.is_gpu() && log.refused.is_none() && !by_host;
+    let on_device = renderer.is_gpu() && log.refused.is_none() && !plan.certifies_given();
     let idle = settings.idle_layers().filter(|_| !plan.see_through).chain(settings.idle_plastic(scene));
     Report {
         schema: "halfline-render",

@@ -52,13 +52,6 @@ pub struct Occlusion {
     pub certainty: Vec<u8>,
 }
 
-/// The plan for given rays, and their place.
-pub(super) struct GivenPlace {
-    pub(super) plan: GivenPlan,
-    /// The reason why an adapter is not used although the settings allow it.
-    pub(super) warning: Option<String>,
-}
-
 /// Spheres set up for given rays, which may come in any number of calls.
 ///
 /// ```
@@ -124,7 +117,7 @@ impl<'a> Tracer<'a> {
     pub fn occluded(&mut self, rays: &Rays) -> Result<Occlusion> {
         rays.check()?;
         if self.plan.certifies() {
-            return self.answered(|this| this.certified_occlusion(rays));
+            return self.certified_occlusion(rays);
         }
         let hits = self.hits(rays)?;
         Ok(Occlusion { hit: hits.id.iter().map(|id| u8::from(*id >= 0)).collect(), certainty: hits.certainty })
@@ -225,7 +218,7 @@ impl Renderer {
     /// than a method tests in useful time.
     pub fn tracer<'a>(&'a mut self, spheres: &'a Spheres, settings: &Settings) -> Result<Tracer<'a>> {
         spheres.check()?;
-        let GivenPlace { plan, warning, .. } = self.given_place(spheres, settings)?;
+        let (plan, warning) = self.given_plan(spheres, settings)?;
         let tolerance = settings.promise().relative();
         let start = Instant::now();
         let tree = plan.certifies().then(|| Tree::new(&spheres.centers, &spheres.radii)).flatten().map(Arc::new);
@@ -235,15 +228,15 @@ impl Renderer {
         Ok(Tracer { renderer: self, spheres, plan, tree, warning, backend, on_host, tolerance, bounds, build_ms })
     }
 
-    /// The plan for given rays, and where they are traced unless a device fails meanwhile.
+    /// The plan for given rays, and the reason why an adapter is not used although the settings allow it.
     ///
     /// # Errors
     /// As [`Renderer::tracer`].
-    pub(super) fn given_place(&mut self, spheres: &Spheres, settings: &Settings) -> Result<GivenPlace> {
+    fn given_plan(&mut self, spheres: &Spheres, settings: &Settings) -> Result<(GivenPlan, Option<String>)> {
         let plan = GivenPlan::new(settings, spheres.len())?;
         // With every backend: what would be left to the host takes longer than the CPU path (docs/hardware.md).
         if plan.certifies() {
-            return Ok(GivenPlace { plan, warning: None });
+            return Ok((plan, None));
         }
         if spheres.cuts.is_some() {
             return Err(choose::cut_by_method());
@@ -251,7 +244,7 @@ impl Renderer {
         let load = budget::on_device(spheres.len(), &plan.kernel, 0);
         let blocker = self.blocker(load, plan.accuracy, settings.backend);
         let warning = blocker.or_else(|error| self.device.leave(error, settings.backend).map(Some))?;
-        Ok(GivenPlace { plan, warning })
+        Ok((plan, warning))
     }
 
     /// The nearest hit of each ray origin + t direction, t > 0. `origins` holds one point per direction, or a single
