@@ -96,11 +96,26 @@ impl Error {
         Self::Settings { problem: problem.into(), mend: mend.into() }
     }
 
-    /// A file that cannot be read. An [`Error`] that a reader wrapped in an [`std::io::Error`] is returned unchanged.
+    /// A file that cannot be read. An [`Error`] that a reader wrapped in an [`std::io::Error`] is returned unchanged. Where the
+    /// system read the bytes, but they end early or cannot be decoded, the content is at fault: [`Error::Scene`]; where they
+    /// need more memory than a limit of their decoder, [`Error::Limits`].
     pub fn read(path: impl AsRef<Path>, source: std::io::Error) -> Self {
-        match source.downcast::<Self>() {
-            Ok(ours) => ours,
-            Err(source) => Self::Io { action: "read", path: path.as_ref().to_path_buf(), source },
+        use std::io::ErrorKind::{InvalidData, InvalidInput, OutOfMemory, UnexpectedEof};
+        let source = match source.downcast::<Self>() {
+            Ok(ours) => return ours,
+            Err(source) => source,
+        };
+        let path = path.as_ref();
+        let file = path.display();
+        match source.kind() {
+            _ if source.raw_os_error().is_some() => Self::Io { action: "read", path: path.to_path_buf(), source },
+            InvalidData | InvalidInput | UnexpectedEof => {
+                Self::scene(Place::file(file.to_string()), source.to_string(), "get the file again")
+            }
+            OutOfMemory => {
+                Self::Limits { problem: format!("{file}: {source}"), mend: "decompress the file first".into() }
+            }
+            _ => Self::Io { action: "read", path: path.to_path_buf(), source },
         }
     }
 

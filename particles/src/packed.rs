@@ -88,7 +88,7 @@ impl Read for Unpacked {
 }
 
 impl Unpacked {
-    /// The error with its remedy; errors of the file itself stay.
+    /// The error with the program that tests or decompresses the file; errors of the file itself stay.
     fn error(&self, error: io::Error) -> io::Error {
         let is_ours = error.get_ref().is_some_and(|inner| inner.is::<Error>());
         let kinds = [io::ErrorKind::Interrupted, io::ErrorKind::Unsupported];
@@ -96,20 +96,25 @@ impl Unpacked {
             return error;
         }
         let [name, program] = self.packing.names();
-        let mend = format!("test the file with `{program} -t`, or get it again");
-        let text = match error.kind() {
+        let test = format!("(`{program} -t` tests the file)");
+        // Each decoder has its own kinds of damaged data.
+        let kind = match error.kind() {
+            kind @ (io::ErrorKind::OutOfMemory | io::ErrorKind::UnexpectedEof) => kind,
+            _ => io::ErrorKind::InvalidData,
+        };
+        let text = match kind {
             io::ErrorKind::OutOfMemory => {
                 let most = WINDOW >> 20;
                 // By itself it has the same limit.
                 let long = if self.packing == Packing::Zstandard { " -M2048MB" } else { "" };
                 format!(
-                    "the {name} data refer back by more than {most} MiB; decompress the file with `{program} -d{long}`"
+                    "the {name} data refer back by more than {most} MiB (`{program} -d{long}` decompresses the file)"
                 )
             }
-            io::ErrorKind::UnexpectedEof => format!("the {name} data end too early; {mend}"),
-            _ => format!("the {name} data are damaged ({error}); {mend}"),
+            io::ErrorKind::UnexpectedEof => format!("the {name} data end too early {test}"),
+            _ => format!("the {name} data are damaged: {error} {test}"),
         };
-        io::Error::new(error.kind(), text)
+        io::Error::new(kind, text)
     }
 }
 

@@ -6,6 +6,7 @@
 use crate::numpy::{little, npy_of};
 use crate::test_dir::{NO_ADAPTER, Output, SCENE, TestDir};
 use std::fs;
+use std::io::Write;
 use std::time::{Duration, Instant};
 
 fn dir() -> TestDir {
@@ -175,6 +176,26 @@ fn an_unreadable_or_unwritable_file_is_exit_code_8() {
         // The first target is valid, and is not written either.
         let both = format!("color={target}");
         dir.refused(8, &["render", "scene.toml", "--aov", "id=id.npy", "--aov", &both], &["cannot write", target]);
+    }
+}
+
+/// A retry may help with exit code 8, and no retry repairs a file.
+#[test]
+fn compressed_files_that_are_cut_or_damaged_are_exit_code_3() {
+    let rows: String = (0..3000).map(|k| format!("C {k} {} 0.25\n", k * k % 977)).collect();
+    let text = format!("3000\n\n{rows}");
+    let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    gz.write_all(text.as_bytes()).expect("gzip");
+    let mut bz2 = bzip2::write::BzEncoder::new(Vec::new(), bzip2::Compression::default());
+    bz2.write_all(text.as_bytes()).expect("bzip2");
+    for (name, data) in [("a.xyz.gz", gz.finish().expect("gzip")), ("a.xyz.bz2", bz2.finish().expect("bzip2"))] {
+        let mut damaged = data.clone();
+        damaged[data.len() / 2] ^= 0x10;
+        for broken in [&data[..data.len() / 2], &damaged] {
+            let dir = dir();
+            dir.put(name, broken);
+            dir.refused(3, &["render", name, "-o", "out.png"], &[name]);
+        }
     }
 }
 

@@ -187,14 +187,9 @@ fn of_source(source: SceneSource, path: &Path, options: &ReadOptions, survey: Su
     Ok(FileInfo { format, frames: count, ..FileInfo::of(counts) })
 }
 
-/// Whether an error is of the file's content: also of a compressed one that is cut, and of a count that is too large.
+/// Whether an error is of the file's content: also of a count that is too large.
 fn is_of_content(error: &Error) -> bool {
-    use std::io::ErrorKind::{InvalidData, InvalidInput, UnexpectedEof};
-    match error {
-        Error::Scene { .. } | Error::Limits { .. } => true,
-        Error::Io { source, .. } => matches!(source.kind(), InvalidData | InvalidInput | UnexpectedEof),
-        _ => false,
-    }
+    matches!(error, Error::Scene { .. } | Error::Limits { .. })
 }
 
 impl FileInfo {
