@@ -99,6 +99,13 @@ impl Lists {
         all
     }
 
+    /// The number of entries, and the most that spheres so many times as wide, in tiles, may have: lists of single tiles grow as
+    /// the area of spheres until tiles share them.
+    pub(crate) fn entries(&self, spheres: u64, wider: u64) -> u64 {
+        let entries = self.projected.len() as u64;
+        entries.max(entries.saturating_mul(wider).min(8 * spheres + SPARE))
+    }
+
     /// The range of entries for the tile that contains the pixel at `row` and `column`.
     pub(crate) fn range(&self, row: u32, column: u32) -> [u32; 2] {
         let cell = self.grid.cell(column / TILE, row / TILE);

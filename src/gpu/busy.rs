@@ -82,4 +82,14 @@ mod tests {
         own.during(|| thread::sleep(NAP));
         assert!(busy.total() >= total + NAP);
     }
+
+    #[test]
+    fn time_ends_with_the_last_wait() {
+        let busy = Busy::default();
+        busy.during(|| {
+            busy.during(|| ());
+            thread::sleep(NAP);
+        });
+        assert!(busy.total() >= NAP);
+    }
 }

@@ -26,6 +26,9 @@ use halfline_ground::quote::setting::{CROP, SIZE, TILE};
 /// than a tile have about 1.1 entries. Spheres that no ray hits have none, but that is not known at this point.
 const STAGED: u64 = 126;
 
+/// Bytes per entry of these lists beyond 1.1 for each sphere: its key, and twice the entry.
+const ENTRY: u64 = 12 + 2 * 42;
+
 /// Bytes per general sphere while its lists are made: its record in the list of a job and in the list of all, and its numbers
 /// in f64. Also its place among all (4), and its place and lower bound in the list of the whole image (12).
 const GENERAL: u64 = (2 * size_of::<GeneralRecord>() + size_of::<General<f64>>() + 4 + 12) as u64;
@@ -52,8 +55,8 @@ pub(crate) struct Need {
     pub(crate) count: u64,
     /// Bytes that the caller needs for what it does with the frame.
     pub(crate) reserve: u64,
-    /// Bytes for general spheres and their lists, once they are known.
-    pub(crate) generals: u64,
+    /// Bytes for lists of spheres beyond `sphere`, once they are known.
+    pub(crate) lists: u64,
 }
 
 impl Need {
@@ -119,22 +122,30 @@ impl Need {
             + if plan.given.is_some() { 2 * size_of::<[f64; 3]>() as u64 } else { 0 };
         let count = u64::from(window.width()) * u64::from(window.height());
         let (pixels, spheres) = (count.saturating_mul(each), scene.spheres.len() as u64);
-        Self { pixels, sphere, spheres, count, reserve: settings.reserve, generals: 0 }
+        Self { pixels, sphere, spheres, count, reserve: settings.reserve, lists: 0 }
     }
 
-    /// The same with the general spheres of the binned scene, whose number is not known before: where the eye is in a crowd they
-    /// need more than [`Need::of`] counts for a sphere.
-    pub(crate) fn with_generals(self, binned: Option<&BinnedScene>, view: &View) -> Self {
-        let Some(binned) = binned.filter(|binned| !binned.generals.is_empty()) else { return self };
-        let [[left, right], [top, bottom]] = view.record.tiles();
-        let tiles = u64::from(right - left + 1) * u64::from(bottom - top + 1);
-        let lists = NEAR_TILE * tiles + NEAR_ENTRY * binned.general_lists.slots.len() as u64;
-        Self { generals: GENERAL * binned.generals.len() as u64 + lists, ..self }
+    /// The same with the lists of the binned scene, whose lengths are not known before: spheres wider than a tile are in several
+    /// lists, in more where pixels have so many `samples`, and general spheres, where the eye is in a crowd, have lists of
+    /// their own.
+    pub(crate) fn with_lists(self, binned: Option<&BinnedScene>, view: &View, samples: u32) -> Self {
+        let Some(binned) = binned else { return self };
+        let entries = binned.lists.entries(self.spheres, samples.into());
+        let projected = ENTRY * entries.saturating_sub(self.spheres + self.spheres / 10);
+        let generals = if binned.generals.is_empty() {
+            0
+        } else {
+            let [[left, right], [top, bottom]] = view.record.tiles();
+            let tiles = u64::from(right - left + 1) * u64::from(bottom - top + 1);
+            let lists = NEAR_TILE * tiles + NEAR_ENTRY * binned.general_lists.slots.len() as u64;
+            GENERAL * binned.generals.len() as u64 + lists
+        };
+        Self { lists: projected + generals, ..self }
     }
 
-    /// Bytes for pixels, general spheres and the caller.
+    /// Bytes for pixels, lists and the caller.
     fn bytes_without_spheres(&self) -> u64 {
-        self.pixels.saturating_add(self.reserve).saturating_add(self.generals)
+        self.pixels.saturating_add(self.reserve).saturating_add(self.lists)
     }
 
     /// Bytes in all.
@@ -254,7 +265,7 @@ mod tests {
             let setup = FrameSetup::new(&mut at, plan, (&scene, None), raster).expect("a setup");
             let binned = setup.engine.binned().expect("bins");
             assert!(!binned.generals.is_empty(), "{count} of radius {radius}");
-            let need = bare.with_generals(Some(binned), &setup.view);
+            let need = bare.with_lists(Some(binned), &setup.view, 1);
             // What is still allocated once the lists are made.
             let ranges = 64 * 64 * size_of::<[u32; 2]>();
             let allocated = size_of::<GeneralRecord>() * binned.generals.capacity()
@@ -270,6 +281,37 @@ mod tests {
                 allocated as u64 <= counted && counted <= 5 * allocated as u64,
                 "{count}: {counted} bytes counted, {allocated} held"
             );
+        }
+    }
+
+    /// Spheres wider than a tile are in several lists, which the plan counts as long as they are.
+    #[test]
+    fn lists_of_spheres_wider_than_a_tile_are_counted() {
+        for (radius, least) in [(0.001, 0.9), (0.02, 2.0)] {
+            let mut rng = Rng(5);
+            let mut spheres = Spheres::default();
+            let center = |rng: &mut Rng| [rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-4.0, -3.0)];
+            (0..10_000).for_each(|_| spheres.push(center(&mut rng), radius, None));
+            let image = ImagePlane { width: 1024, height: 1024, background: [0.0; 3] };
+            let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+            let settings = Settings { accuracy: Accuracy::Certified, backend: Backend::Cpu, ..Settings::default() };
+            let plan = Plan::new(&scene, &settings, &mut |_| true).expect("a plan");
+            let window = settings.window_of(&scene).expect("a window");
+            let bare = Need::of(&plan, &settings, &scene, window, None);
+            let mut renderer = Renderer::new(&settings).expect("the CPU path");
+            let mut at = Rendering::new(&mut renderer, &scene, &settings, FrameRays { window, samples: None });
+            let setup = FrameSetup::new(&mut at, plan, (&scene, None), Raster::centres(window)).expect("a setup");
+            let binned = setup.engine.binned().expect("bins");
+            let entries = binned.lists.projected.len() as f64 / 10_000.0;
+            assert!(entries > least, "{entries} entries for a sphere of radius {radius}");
+            let counted = |samples| {
+                let need = bare.with_lists(Some(binned), &setup.view, samples);
+                need.lists as f64 / 10_000.0
+            };
+            // 96 bytes for each entry beyond 1.1 for each sphere; up to eight entries for each sphere, and 2^21.
+            assert!((counted(1) - 96.0 * (entries - 1.1).max(0.0)).abs() < 1.0, "{} bytes", counted(1));
+            assert!(counted(4) > 96.0 * (3.9 * entries - 1.1), "{} bytes of samples", counted(4));
+            assert!(counted(1 << 20) <= 96.0 * (8.0 + 210.0), "{} bytes at most", counted(1 << 20));
         }
     }
 
@@ -309,7 +351,7 @@ mod tests {
 
     #[test]
     fn the_number_that_fits_fits_and_one_more_does_not() {
-        let need = Need { pixels: GIB - 5, sphere: 100, spheres: 10_000_000, count: 1 << 20, reserve: 5, generals: 0 };
+        let need = Need { pixels: GIB - 5, sphere: 100, spheres: 10_000_000, count: 1 << 20, reserve: 5, lists: 0 };
         assert!(need.check(Some(need.bytes())).is_ok() && need.check(None).is_ok());
         let error = need.check(Some(need.bytes() - 1)).expect_err("a byte too few").to_string();
         assert!(error.contains("at most 9999999 spheres"), "{error}");

@@ -94,7 +94,8 @@ fn explanation(at: &mut Rendering<'_>, plan: Plan) -> Result<Explanation> {
     let has_kernel = report.backend == "gpu" && has_kernel(plan);
     let work = if has_kernel { work(at, &setup)? } else { WorkOfPasses::default() };
     let gpu = at.renderer.device.gpu.as_deref().filter(|_| report.backend == "gpu");
-    let need = Need::of(plan, settings, scene, window, gpu.map(|gpu| &gpu.summary)).with_generals(binned, view);
+    let need =
+        Need::of(plan, settings, scene, window, gpu.map(|gpu| &gpu.summary)).with_lists(binned, view, report.samples);
     let free = memory::free(&at.pool);
     let predicted = setup.predicted(scene);
     let warnings = report.warnings.into_iter().chain(setup.warnings(scene, predicted)).chain(at.log.warnings());
@@ -187,7 +188,7 @@ fn kernel_of(setup: &FrameSetup) -> Kernel {
 }
 
 /// The rays of a curved lens.
-const LENS_RAYS: &str = "rays are those of the lens in f64, and exact from there on";
+const LENS_RAYS: &str = "the lens gives the rays in f64, and they are exact from there on";
 
 fn precision(setup: &FrameSetup) -> String {
     let plan = &setup.plan;
@@ -268,7 +269,7 @@ fn rays_per_pixel(plan: &Plan, scene: &Scene, settings: &Settings, samples: u32)
     let of_light = |light: &Light| if light.source.has_size() { spread } else { points };
     let lights: u64 = scene.lighting.lights.iter().map(of_light).sum();
     let lights = if has_shadows(plan, scene, settings) { lights } else { 0 };
-    let of_sky = |sky: Sky| match sky.at_centers && settings.aperture.is_none() {
+    let of_sky = |sky: Sky| match settings.sky_at_centers(sky) {
         true => u64::from(sky.rays_at_center(samples)) * points.min(1),
         false => u64::from(sky.rays) * points,
     };

@@ -32,11 +32,17 @@ fn entries_in(len: usize, more: usize, each: usize, what: &str, free: impl Fn() 
     [doubled, some].into_iter().find(|entries| need(*entries) <= usable).ok_or_else(|| {
         let fit = len as u64 + usable / each.max(1) as u64;
         let problem = format!(
-            "{least} {what} or more need {} bytes of memory besides the first {len}, but only {free} are free",
+            "{least} {what} or more need {} bytes of memory besides the first {len}, but only {usable} are free for them",
             need(some)
         );
-        Error::Limits { problem, mend: format!("read at most {fit} {what}") }
+        Error::Limits { problem, mend: at_most(fit, what) }
     })
+}
+
+/// The mend where memory is short: the number of `what` that fits, or more memory where nothing fits.
+fn at_most(fit: u64, what: &str) -> String {
+    let memory = "end other programs, or use a machine with more memory";
+    if fit == 0 { memory.into() } else { format!("read at most {fit} {what}, {memory}") }
 }
 
 /// Whether 32-bit ids can number this many spheres.
@@ -113,7 +119,7 @@ fn check_spheres_in(spheres: u64, colored: bool, free: impl Fn() -> Option<u64>)
     match free() {
         Some(free) if need > free => Err(Error::Limits {
             problem: format!("{spheres} spheres need {need} bytes of memory, but only {free} are free"),
-            mend: format!("read at most {} spheres", free / each),
+            mend: at_most(free / each, "spheres"),
         }),
         _ => Ok(()),
     }
@@ -127,9 +133,9 @@ pub fn check(bytes: u64, what: impl FnOnce() -> String) -> Result<()> {
     if bytes < GRAIN {
         return Ok(());
     }
-    match free(&Pool::default()) {
-        Some(free) if bytes > free.saturating_sub(RESERVE) => Err(Error::Limits {
-            problem: format!("{} may need {bytes} bytes of memory, but only {free} are free", what()),
+    match free(&Pool::default()).map(|free| free.saturating_sub(RESERVE)) {
+        Some(usable) if bytes > usable => Err(Error::Limits {
+            problem: format!("{} may need {bytes} bytes of memory, but only {usable} are free for them", what()),
             mend: "read a smaller file, or on a machine with more memory".into(),
         }),
         _ => Ok(()),
@@ -174,6 +180,8 @@ mod tests {
         assert!(check_spheres_in(u64::MAX, true, None).is_ok());
         let error = check_spheres_in(million, true, Some(43_999_999)).expect_err("a byte too few").to_string();
         assert!(error.contains("at most 999999 "), "{error}");
+        let error = check_spheres_in(million, true, Some(43)).expect_err("no sphere fits").to_string();
+        assert!(!error.contains("at most") && error.contains("more memory"), "{error}");
         assert!(check_spheres_in(u64::MAX, false, Some(u64::MAX - 1)).is_err(), "no overflow");
     }
 
@@ -188,6 +196,8 @@ mod tests {
         assert_eq!(entries_in(million, 1, 40, "spheres", || None).expect("unknown"), 2 * million);
         let error = entries_in(million, 1, 40, "spheres", with(4_999_960)).expect_err("a byte too few");
         assert!(matches!(error, Error::Limits { .. }) && error.to_string().contains("at most 1124999 "), "{error}");
+        // A message with less needed than free would contradict itself.
+        assert!(error.to_string().contains("but only 4999960 are free"), "{error}");
         assert!(
             entries_in(usize::MAX, usize::MAX, 40, "spheres", with(0)).is_ok(),
             "nothing more fits, and nothing overflows"
