@@ -140,7 +140,14 @@ impl Settings {
     #[must_use]
     pub fn sky(&self, scene: &Scene) -> Option<Sky> {
         let requested = self.aovs.contains(&Aov::Occlusion).then(|| self.buffer_sky(scene));
-        requested.or(scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color)))
+        let sky = requested.or(scene.lighting.sky.filter(|_| self.aovs.contains(&Aov::Color)))?;
+        Some(Sky { at_centers: self.sky_at_centers(sky), ..sky })
+    }
+
+    /// Whether the rays toward a sky leave from the centres of pixels. Through an open lens a sample may hit spheres that no
+    /// centre shows, so there each sample has its own rays.
+    pub(crate) fn sky_at_centers(&self, sky: Sky) -> bool {
+        sky.at_centers && self.aperture.is_none()
     }
 
     /// The sky of the buffer `occlusion`: the scene's, else the settings'. A sky at the centres of pixels is of the

@@ -20,7 +20,7 @@ impl Renderer {
     /// [`Error::DeviceLost`](crate::Error::DeviceLost), [`Error::Accuracy`](crate::Error::Accuracy),
     /// [`Error::Interrupted`](crate::Error::Interrupted).
     pub fn render(&mut self, scene: &Scene, settings: &Settings) -> Result<Frame> {
-        if scene.lighting.sky.is_some_and(|sky| sky.at_centers) && settings.asks(&[Aov::Color]) {
+        if scene.lighting.sky.is_some_and(|sky| settings.sky_at_centers(sky)) && settings.asks(&[Aov::Color]) {
             self.try_drawing();
         }
         let mut frame = self.frame_of_remaining(scene, |this, scene| {

@@ -160,7 +160,7 @@ impl Plan {
         if !(finished || sky.is_some() || several || self.see_through) {
             return None;
         }
-        let at_centers = sky.is_some_and(|sky| sky.at_centers) && settings.aperture.is_none();
+        let at_centers = sky.is_some_and(|sky| settings.sky_at_centers(sky));
         // Through translucent spheres the host traces the rays from hits.
         let alone = at_centers && !scene.lighting.shadows || self.see_through;
         let kernel = Kernel { samples: true, t: false, normal: false, ..self.kernel };

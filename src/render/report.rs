@@ -17,7 +17,7 @@ use halfline_ground::parallel;
 /// The report of a frame before it is computed: the decisions of the plan; counts and times are 0 or empty.
 pub(super) fn known(at: &Rendering<'_>, plan: &Plan) -> Report {
     let Rendering { renderer, scene, settings, rays, log, .. } = at;
-    let on_device = renderer.is_gpu() && log.refused.is_none() && !plan.certifies_given();
+    let on_device = renderer.is_gpu() && log.refused.is_none();
     let idle = settings.idle_layers().filter(|_| !plan.see_through).chain(settings.idle_plastic(scene));
     Report {
         schema: "halfline-render",

@@ -39,6 +39,9 @@ enum ResidentSetup {
 /// The reason for the CPU path where f32 on a device cannot place the spheres.
 const NOT_PLACED: &str = "the device cannot place these spheres for this camera";
 
+/// The reason for the CPU path where the rays of a camera are certified one by one.
+const GIVEN: &str = "it certifies the rays of curved lenses";
+
 /// The setup of a frame: a device that certifies holds the spheres, else the host bins them.
 ///
 /// # Errors
@@ -86,6 +89,9 @@ fn on_device(
     raster: Raster,
     reach: impl FnOnce(&mut Gpu, &mut FrameLog) -> Result<Option<Reach>>,
 ) -> Result<ResidentSetup> {
+    if renderer.is_gpu() && plan.certifies_given() {
+        log.refuse(GIVEN);
+    }
     let Some(gpu) = renderer.device.gpu.as_mut().filter(|_| plan.engine == EngineKind::Resident) else {
         return Ok(ResidentSetup::Refused(plan));
     };

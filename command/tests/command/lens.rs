@@ -51,6 +51,12 @@ fn a_lens_takes_64_samples_unless_they_are_given_and_is_in_every_record() {
     assert!(depth > 0.0 && depth < 2.0, "{framed}");
     let plan = dir.run("plan a.toml -o a.png");
     assert!(plan.text().contains("lens of diameter 0.500000, in focus 5.00000 away"), "{}", plan.text());
+    // The rays toward a look's sky leave from the samples of a lens, not from the centres of pixels.
+    let soft = dir.run("render a.xyz --view front --size 8x8 --aperture 1 -o d.png --json");
+    assert!(soft.err.contains("a sky with 3 rays from each sample"), "{}", soft.err);
+    assert_eq!(soft.json()["occlusion"].get("at_centers"), None);
+    let plan = dir.run("plan a.xyz --view front --size 8x8 --aperture 1 -o d.png").text();
+    assert!(plan.contains("sky        3 rays for each point") && plan.contains("192 to the sky"), "{plan}");
     // A turn keeps the plane in focus.
     let turned = dir.run("render a.toml --spin 2 --samples 4 -o t%d.png --json").json_lines();
     assert_eq!(turned.iter().map(|report| report["camera"]["focus"].as_f64()).collect::<Vec<_>>(), [Some(5.0); 2]);

@@ -18,7 +18,7 @@ use std::borrow::Cow;
 
 pub(in crate::render) const PASS: Pass = Pass {
     name: "sky",
-    output: "the rays toward the sky from the pixels' centres, or from each sample, with those of neighbours",
+    output: "the rays toward the sky from the pixels' centres, or from each sample, with the rays of neighbours",
     runs: |plan, scene, _| plan.light_outputs.color && scene.lighting.sky.is_some(),
 };
 
@@ -37,8 +37,7 @@ impl<'a> PictureSky<'a> {
     /// samples.
     pub(super) fn of(sampling: &Sampling<'a>, samples: u32) -> Option<Self> {
         let (trees, sky) = (sampling.trees?, sampling.scene.lighting.sky?);
-        // With an open lens a sample may hit spheres that no centre sees.
-        let at_centers = sky.at_centers && sampling.settings.aperture.is_none();
+        let at_centers = sampling.settings.sky_at_centers(sky);
         let rays = if at_centers { sky.rays_at_center(samples) } else { sky.rays };
         let of_pixel = if at_centers { rays } else { rays.saturating_mul(samples) };
         Some(Self { trees, sky: Sky { rays, ..sky }, at_centers, smoothing: Smoothing::of(of_pixel) })
