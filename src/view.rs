@@ -81,13 +81,14 @@ pub(crate) enum RayKind {
 }
 
 /// The largest range of exponents in one frame that leaves room for the roots.
+/// Section "The model of f32" of docs/certificate.md.
 const MAX_EXPONENT_RANGE: i32 = 240;
 
 /// Spheres whose sizes are computed by one job.
 const SPHERES_PER_JOB: usize = 1 << 12;
 
 /// The least exponent of a frame's unit: 2^1000 can still be multiplied by subnormal numbers. Those are within 2^-74 of
-/// that unit, where f32 holds them too.
+/// that unit, where f32 holds them too. Section 1 of docs/certificate.md.
 const LEAST_UNIT: i32 = -1000;
 
 impl View {

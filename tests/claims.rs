@@ -1,5 +1,6 @@
-//! docs/claims.md names code and tests that exist.
+//! docs/claims.md names code and tests that exist; docs/certificate.md names the constants of the proof.
 
+mod constants;
 #[path = "common/home.rs"]
 mod home;
 

@@ -18,9 +18,9 @@ use std::path::PathBuf;
 
 /// Compares two frames (.png, .npy, .npz, .exr or .pfm); exits with 1 if they differ by more than the tolerance.
 ///
-/// In files with several buffers, those of the same name are compared; a buffer that only one file has is a difference.
-/// NaN equals NaN and an infinity equals itself; against anything else they differ infinitely, beyond any tolerance.
-/// Frames of different shapes, and PNGs of 8 and of 16 bits, are different.
+/// In files with several buffers, buffers of the same name are compared; a buffer that only one file has is a
+/// difference. NaN equals NaN and an infinity equals itself; against anything else they differ infinitely, beyond any
+/// tolerance. Frames of different shapes, and PNGs of 8 and of 16 bits, are different.
 ///
 /// Examples:
 ///   halfline compare expected.png actual.png -o difference.png

@@ -33,8 +33,8 @@ pub(super) struct PlaneArgs {
 pub(super) struct CutArgs {
     #[command(flatten)]
     planes: PlaneArgs,
-    /// Colour of the faces that planes cut, or with EXPR=C of those of selected spheres, as --color takes it [default: that of each
-    /// sphere]. Repeated, later ones win.
+    /// Colour of the faces that planes cut, or with EXPR=C of the faces of selected spheres, as --color takes it
+    /// [default: the colour of each sphere]. Repeated, later ones win.
     #[arg(long, value_name = "[EXPR=]C", value_parser = face_color)]
     cut_color: Vec<Rule<[f32; 3]>>,
 }

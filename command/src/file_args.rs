@@ -38,7 +38,7 @@ pub(super) struct FileArgs {
     fps: Option<f64>,
     /// Buffers: color, distance, depth, normal, position, id, mask, certainty, bound, alpha, shadow (of each
     /// light), occlusion (open share of the sky). An .exr or .npz can hold
-    /// several; without FILE they are stored in that of -o. Examples: depth=d.pfm, depth,id=all.exr, depth,normal.
+    /// several; without FILE they are stored in the file of -o. Examples: depth=d.pfm, depth,id=all.exr, depth,normal.
     #[arg(long, value_name = "NAME[,NAME..][=FILE]", value_parser = named)]
     aov: Vec<AovArgument>,
     /// Adds Cryptomatte layers to the .exr of -o, for masks in compositors: id (the number of each sphere), residue, or a column
@@ -49,8 +49,8 @@ pub(super) struct FileArgs {
     /// Bits per component in PNG and TIFF: 8, 16.
     #[arg(long, value_name = "N", default_value = "8")]
     bits: Bits,
-    /// Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; the number of pixels is that of --size, or follows from
-    /// a size in millimetres.
+    /// Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; --size gives the number of pixels,
+    /// or it follows from a size in millimetres.
     #[arg(long, value_name = "N")]
     pub(super) dpi: Option<Dpi>,
     /// Cuts the borders in which nothing is shown off the picture and all buffers; what remains has its place in the frame in its

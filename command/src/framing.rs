@@ -210,7 +210,7 @@ pub(super) fn filled_height(
     let shares = legend_shares(&trial)?;
     let framing = point(options, &mut trial, shares)?;
     if framing.is_none() {
-        let words = "the camera is given, so an open height is that of the file's image; --trim cuts empty borders";
+        let words = "the camera is given, so an open height follows from the file's image; --trim cuts empty borders";
         frame.skipped.assumed.push(words.to_owned());
     }
     let shape = match (framing, trial.scene.camera.lens) {

@@ -13,9 +13,10 @@ use halfline_files::read::cameras::{LensName, NamedLens};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Camera")]
 pub(super) struct LensArgs {
-    /// Lens of a picture that is not one of a plane: fisheye (image heights grow with the angle; --vfov is that of the full height, up to
-    /// 360 degrees), equirectangular (the whole sphere, from the middle of the spheres unless --eye is given), opencv (--intrinsics, and
-    /// distortion by --lens-coefficients) [default: the scene file's, else a perspective one].
+    /// Lens of a picture that is not one of a plane: fisheye (image heights grow with the angle; --vfov is the angle of
+    /// the full height, up to 360 degrees), equirectangular (the whole sphere, from the middle of the spheres unless
+    /// --eye is given), opencv (--intrinsics, and distortion by --lens-coefficients) [default: the scene file's, else a
+    /// perspective one].
     #[arg(long, value_name = "L", value_parser = names(), hide_possible_values = true,
         conflicts_with_all = ["ortho", "aperture", "focus_distance"])]
     lens: Option<LensName>,
@@ -30,8 +31,8 @@ pub(super) struct LensArgs {
     /// from another point of the lens [default: the scene file's, else a pinhole; with 64 samples unless --samples is given].
     #[arg(long, value_name = "D", value_parser = length, allow_negative_numbers = true, conflicts_with = "ortho")]
     aperture: Option<f64>,
-    /// Distance along the view of the plane in focus, in scene units [default: the scene file's, else that of the point looked
-    /// at, else that of the middle of the spheres].
+    /// Distance along the view of the plane in focus, in scene units [default: the scene file's, else the distance of
+    /// the point looked at, else of the middle of the spheres].
     #[arg(long, value_name = "F", value_parser = length, allow_negative_numbers = true)]
     focus_distance: Option<f64>,
 }
@@ -89,7 +90,7 @@ impl LensArgs {
         };
         let camera = &frame.scene.camera;
         if self.aperture.is_some() && camera.lens.is_curved() {
-            let problem = "--aperture: a lens with a size is one of a plane, and that of the camera is curved";
+            let problem = "--aperture: a lens with a size is one of a plane, and the lens of the camera is curved";
             return Err(Error::settings(problem, "remove --aperture, or use another camera"));
         }
         let middle = || match camera.look {

@@ -25,7 +25,7 @@ pub(super) struct LightArgs {
     /// and a sky with 8 rays) [default: the scene file's, else plain; for particles soft, unless --shade or --stream is given].
     #[arg(long, value_name = "L", value_parser = looks(), hide_possible_values = true)]
     look: Option<Look>,
-    /// Ambient occlusion: a white sky, part of which other spheres hide; N rays for each point [default: the scene
+    /// Ambient occlusion: a white sky, parts of it hidden by other spheres; N rays for each point [default: the scene
     /// file's, else 16].
     #[arg(long, value_name = "N", value_parser = whole(1..=MOST_RAYS), num_args = 0..=1)]
     occlusion: Option<Option<u32>>,
@@ -36,7 +36,8 @@ pub(super) struct LightArgs {
     /// Adds a white light infinitely far in this direction; may be repeated.
     #[arg(long, value_name = "X,Y,Z", value_parser = direction, allow_hyphen_values = true)]
     sun: Vec<DVec3>,
-    /// Lights cast shadows, as those of scene files always do; without any light, adds one from above left of the camera.
+    /// Lights cast shadows, as lights of scene files always do; without any light, adds one from above left of the
+    /// camera.
     #[arg(long)]
     shadows: bool,
     /// The most bounces of a ray at mirrors and in glass, up to 64; 0 switches them off [default: 6].
@@ -205,8 +206,10 @@ impl PictureLook {
                 "look {name}: a figure has its lines, and a light at the eye; its sky and light need pixels"
             ));
         }
-        let rays = Sky::AT_CENTERS.rays_at_center(samples);
-        let sky = format!("a sky with {rays} rays from each pixel's centre");
+        let sky = match self.lens.aperture {
+            None => format!("a sky with {} rays from each pixel's centre", Sky::AT_CENTERS.rays_at_center(samples)),
+            Some(_) => format!("a sky with {} rays from each sample", Sky::AT_CENTERS.rays),
+        };
         let longer = "--occlusion at every sample, which takes much longer";
         let sky = if self.has_own_sky { format!("{longer} than {sky}") } else { sky };
         let shadows = if self.shadows { "with" } else { "without" };

@@ -318,7 +318,7 @@ mod tests {
         let stale: Vec<_> = rows.difference(&all).cloned().collect();
         assert!(stale.is_empty(), "rows without an option: {stale:?}");
         let missing = options().filter(|row| matches!(row.python, Missing)).map(|row| row.id);
-        let why = "a film is several frames, a zoom a vfov, a camera of a file that of its scene";
+        let why = "a film is several frames, a zoom a vfov, a camera of a file the camera of its scene";
         assert_eq!(missing.collect::<Vec<_>>(), ["from", "zoom", "fps", "spin"], "without a keyword, because {why}");
     }
 }

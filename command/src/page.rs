@@ -43,8 +43,9 @@ pub(crate) struct Page {
 }
 
 const EXAMPLES: &str = "\
-The options are those of halfline render that read, select, colour, light and frame. --columns names further columns that the page
-shows of a sphere that is picked, and that its selections read, beside chain, residue, name and element.
+The command takes the options of halfline render that read, select, colour, light and frame. --columns names further
+columns that the page shows of a sphere that is picked, and that its selections read, beside chain, residue, name and
+element.
 
 Examples:
   halfline page 3SN6.cif -o figure.html --color-by chain --title 'A receptor' --caption 'PDB 3SN6, by chain'

@@ -36,7 +36,7 @@ pub(crate) struct PlanArgs {
 }
 
 const EXAMPLES: &str = "\
-The options are those of halfline render; without an output the plan is that of a picture.
+The command takes the options of halfline render; without an output it plans a picture.
 
 Examples:
   halfline plan scenes/weekend.toml

@@ -77,7 +77,8 @@ pub(super) struct ReadArgs {
     #[arg(long)]
     strict: bool,
     /// Takes only the particles that an expression selects, such as "protein and not name H*", "chain A B", "resid
-    /// 10:20", "element C N", "type 2", "bfactor < 30", "within 5 of (resname HEM)"; if repeated, those of any.
+    /// 10:20", "element C N", "type 2", "bfactor < 30", "within 5 of (resname HEM)"; if repeated, the particles
+    /// that any selects.
     #[arg(long, help_heading = SELECTION, value_name = "EXPR")]
     select: Vec<Selection>,
     /// Leaves out the particles that an expression selects; may be repeated.
@@ -226,7 +227,7 @@ impl ReadArgs {
             (_, Hold::All) => "all frames",
             (_, Hold::None) => return None,
         };
-        Some(format!("camera, default radii and the range of colours are those of {from} of the file (see --hold)"))
+        Some(format!("camera, default radii and the range of colours come from {from} of the file (see --hold)"))
     }
 
     /// The arrangement of the spheres.

@@ -43,8 +43,8 @@ pub(super) struct SceneArgs {
     /// input.
     #[arg(required_unless_present = "visible")]
     scene: Option<PathBuf>,
-    /// In place of a scene: files of halfline sift, the parts of one scene in any order. The picture is that of all spheres of all
-    /// parts, bit for bit; camera, size, window and samples are those of the parts.
+    /// In place of a scene: files of halfline sift, the parts of one scene in any order. The result is the picture of
+    /// all spheres of all parts, bit for bit; the parts give camera, size, window and samples.
     #[arg(long, value_name = "PART", num_args = 1.., conflicts_with = "scene", help_heading = "Input")]
     pub(super) visible: Vec<PathBuf>,
     #[command(flatten)]
@@ -317,11 +317,11 @@ impl SceneArgs {
     /// [`Error::Settings`] with both sizes, and for a least size.
     pub(super) fn check_size(&self, view: &PartView) -> Result<()> {
         if self.image.least_size.is_some() {
-            let problem = format!("{LEAST_SIZE}: what hides what in parts is that of spheres of their own size");
+            let problem = format!("{LEAST_SIZE}: in parts, spheres hide others at their own size");
             return Err(Error::settings(problem, "remove it"));
         }
         if self.cut.is_given() {
-            let problem = format!("{CUT}: planes are those of the parts");
+            let problem = format!("{CUT}: the parts give the planes");
             return Err(Error::settings(problem, format!("give every part the same planes, and remove {CUT} here")));
         }
         let [w, h] = view.size;

@@ -17,14 +17,14 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Keeps the spheres of a file that some ray of a frame may hit first, as a part of a scene that lies in several files or on several
-/// machines. halfline render --visible makes the frame of all parts, bit for bit that of one machine.
+/// machines. halfline render --visible makes the frame of all parts, bit for bit the frame of one machine.
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES, next_line_help = true)]
 pub(crate) struct Sift {
     #[command(flatten)]
     args: SceneArgs,
     /// The id of the first sphere of the file in the whole scene; the others follow, without those that are not selected. Ids
-    /// decide ties, and are those of the buffer id.
+    /// decide ties, and the buffer id holds them.
     #[arg(long, value_name = "N", help_heading = "Input")]
     first_id: u64,
     /// Prints one JSON object about the part on standard output.
@@ -35,8 +35,9 @@ pub(crate) struct Sift {
 }
 
 const EXAMPLES: &str = "\
-The options are those of halfline render that read, colour and show. All parts need the same camera, size, window, samples, seed,
-tolerance, width of outlines and planes. The file is read in blocks and may be larger than memory.
+The command takes the options of halfline render that read, colour and show. All parts need the same camera, size,
+window, samples, seed, tolerance, width of outlines and planes. The file is read in blocks and may be larger than
+memory.
 
 Examples:
   halfline sift a.npy --first-id 0 --eye 0,0,9 --at 0,0,0 --size 1920x1080 -o a.npz

@@ -72,7 +72,7 @@ pub(crate) struct View {
 const PAGE: &str = "Page";
 
 const EXAMPLES: &str = "\
-The options are those of halfline render that read, select, colour and light. The page has keys: ? lists them.
+The command takes the options of halfline render that read, select, colour and light. The page has keys: ? lists them.
 
 Examples:
   halfline view 3SN6.cif --color-by chain

@@ -44,7 +44,7 @@ impl<'a> MatchedBuffers<'a> {
         for (nameless, other) in [(a, b), (b, a)] {
             if nameless.buffers.iter().any(|buffer| buffer.name.is_none()) {
                 let problem =
-                    format!("{} has an unnamed buffer, which may be any of those of {}", nameless.name, other.name);
+                    format!("{} has an unnamed buffer, which may be any buffer of {}", nameless.name, other.name);
                 return Err(Error::settings(problem, format!("choose with {AOV}: {}", names(other))));
             }
         }

@@ -64,7 +64,7 @@ fn contradiction(format: Format, named: Format, text: &str) -> Option<String> {
     let (read, other) = (format.name(), named.name());
     if format != named {
         return Some(format!(
-            "the name of the file says {other}, but its content is that of {read} and read as such; {FORMAT} sets another"
+            "the name of the file says {other}, but its content is {read} and read as such; {FORMAT} sets another"
         ));
     }
     (format.0.doubt)(&text.lines().collect::<Vec<_>>())

@@ -42,7 +42,7 @@ const TRAJECTORY: &str = "convert it to GRO, PDB or XYZ, for example with `gmx t
 const TOPOLOGY: &str = "use the file with the coordinates; MDAnalysis writes PDB from both";
 const STRUCTURE: &str = "convert it to PDB, mmCIF or XYZ, for example with Open Babel or MDAnalysis";
 const ARRAYS: &str = "save the positions with numpy.save or numpy.savez";
-const HDF5: &str = "save the positions as NPY, those of H5MD with `python -c \"import h5py, numpy; numpy.save('out.npy', \
+const HDF5: &str = "save the positions as NPY, from H5MD with `python -c \"import h5py, numpy; numpy.save('out.npy', \
     h5py.File('in.h5md')['particles/all/position/value'])\"`";
 const MESH: &str = "save its vertices as PLY, for example with MeshLab or trimesh";
 const TABLE: &str = "save its columns as CSV or NPY, for example with pandas";

@@ -95,7 +95,7 @@ fn check_operators(options: &ParticleOptions) -> Result<()> {
     let problem = format!("{STREAM}: selections need all atoms of an assembly in memory");
     Err(Error::settings(
         problem,
-        format!("remove selections ({SELECT}, {HIDE}, {AT}, {FOCUS}, and those of {COLOR} and {RADIUS}), or {STREAM}"),
+        format!("remove selections ({SELECT}, {HIDE}, {AT}, {FOCUS}, and in {COLOR} and {RADIUS}), or {STREAM}"),
     ))
 }
 

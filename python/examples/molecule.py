@@ -33,7 +33,7 @@ def main() -> None:
     size = (given.size, given.size)
     camera = hl.Camera.fit(scene, view=(-0.5, -0.3, -1), size=size)
 
-    # Only color is averaged over the samples; depth is that of each pixel's centre.
+    # Only color is averaged over the samples; depth is measured at each pixel's centre.
     renderer = hl.Renderer()
     frame = renderer.render(
         scene, camera, size=size, aovs=["color", "depth"], look="soft", samples=16

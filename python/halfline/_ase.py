@@ -34,8 +34,8 @@ def view_halfline(
         atoms: An ``ase.Atoms``; outside of a notebook also a list of them, which is a film.
         data: Volumes are not drawn.
         repeat: Copies of the cell along its vectors.
-        **options: Those of `Scene.view`; outside of a notebook also those of the command, such as
-            ``port=8700``.
+        **options: Options of `Scene.view`; outside of a notebook also options of the command, such
+            as ``port=8700``.
 
     Returns:
         The widget, or the process that serves the page.
@@ -65,7 +65,7 @@ def _is_notebook() -> bool:
 
 
 def _flags(options: Mapping[str, Any]) -> list[str]:
-    """Options of the package as those of the command."""
+    """Options of the package as options of the command."""
     flags: list[str] = []
     for name, value in options.items():
         flag = "--" + name.replace("_", "-")

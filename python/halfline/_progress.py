@@ -18,7 +18,7 @@ Reporter = Callback | None
 
 @contextmanager
 def reporter(progress: bool | Callback) -> Iterator[Reporter]:
-    """The function to call: that of the caller, a bar for ``True`` where somebody sees it, or
+    """The function to call: the caller's own, a bar for ``True`` where somebody sees it, or
     none.
     """
     if callable(progress):

@@ -69,7 +69,7 @@ def from_mdanalysis(
     Elements that the topology does not give are inferred as `read` does: from the names of atoms
     and residues, else from masses. Virtual sites, such as ``MW`` of TIP4P, are not drawn.
     ``scene.warnings`` has the counts of both; ``scene.cell``, ``scene.number``, ``scene.time`` and
-    ``scene.step`` are those of the frame, as far as the trajectory has them. ``scene.columns`` has
+    ``scene.step`` describe the frame, as far as the trajectory has them. ``scene.columns`` has
     the element, and name, residue, chain, type, charge, mass and B factor as far as the topology
     gives them.
 

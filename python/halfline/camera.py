@@ -1,4 +1,4 @@
-"""Cameras: perspective, orthographic, and those of computer vision."""
+"""Perspective and orthographic cameras, and cameras of computer vision."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class Camera:
         vfov: Full vertical field of view in degrees, between 0 and 180; 30 without another lens. Of
             a fisheye at most 360; 180 by default.
         lens: A lens that is not one of a plane: ``"fisheye"`` (image heights grow with the angle;
-            ``vfov`` is that of the full height), ``"equirectangular"`` (the whole sphere), or
+            ``vfov`` is the angle of the full height), ``"equirectangular"`` (the whole sphere), or
             ``"opencv"`` (``intrinsics`` and ``lens_coefficients``).
         intrinsics: Focal lengths and principal point ``(fx, fy, cx, cy)`` of such a lens, in pixels
             of the picture; the centre of the top left pixel is (0.5, 0.5). `from_intrinsics` takes
-            those of an image of a certain size.
+            intrinsics for an image of a certain size.
         lens_coefficients: Distortion by the model of OpenCV, k1, k2, p1, p2, or with k3 or
             k3, k4, k5, k6 behind them; of a fisheye k1 to k4.
         viewport: Width and height of the viewport at ``distance``, in any unit; instead of
@@ -46,7 +46,7 @@ class Camera:
             plane of the eye.
         aperture: Diameter of the lens in scene units; what is not in focus is blurred. Pictures
             then have 64 ``samples`` unless more are given. The default is a pinhole.
-        focus: Distance along the view of the plane in focus; by default that of ``at``.
+        focus: Distance along the view of the plane in focus; by default the distance of ``at``.
 
     Raises:
         ValueError: for numbers that give no direction or no viewport, with the name of the
@@ -201,8 +201,8 @@ class Camera:
                 functions.
             convention: The axes of ``pose``: ``"opencv"`` is right, down, forward, ``"opengl"`` is
                 right, up, backward, as in pyrender, Blender and NeRF.
-            distortion: Coefficients in the order of OpenCV: k1, k2, p1, p2, k3, k4, k5, k6, of which
-                the last may be left out; of a fisheye k1 to k4.
+            distortion: Coefficients in the order of OpenCV: k1, k2, p1, p2, k3, k4, k5, k6; the
+                last may be left out. A fisheye has k1 to k4.
             fisheye: Whether the lens is a fisheye of OpenCV's model.
 
         Raises:
@@ -303,8 +303,8 @@ class Camera:
         margin: float | None = None,
         share: float = 1.0,
     ) -> Camera:
-        """The nearest camera in this direction that shows all spheres of ``scene``, or those of
-        ``focus`` within the whole scene.
+        """The nearest camera in this direction that shows all spheres of ``scene``, or the
+        spheres of ``focus`` within the whole scene.
 
         Args:
             scene: The scene.
@@ -315,13 +315,13 @@ class Camera:
                 ``"right"``, ``"top"``, ``"bottom"``, ``"iso"`` or ``"auto"``: the largest face of the
                 spheres toward the eye and the longest axis across, or for ``focus`` from where least
                 of it is hidden. By default ``"auto"`` with ``focus``, else ``"front"``.
-            up: Up direction of the scene; y, or that of a named view.
+            up: Up direction of the scene; y, or the up direction of a named view.
             vfov: Full vertical field of view, degrees; 30 by default, of a fisheye 180.
             lens: A lens as of `Camera`; all spheres are within 60 degrees from its axis.
             intrinsics: Focal lengths and principal point of such a lens, in pixels of ``size``.
             lens_coefficients: Its distortion.
             orthographic: Whether the rays are parallel; the height of the view is fitted.
-            size: Columns and rows of the image; by default those of the scene.
+            size: Columns and rows of the image; by default the scene's.
             margin: Share of the image that stays free around the spheres, 0.04 by default, 0.25 with
                 ``focus``.
             share: The share of the spheres that the camera shows, without ``focus``: those that are

@@ -61,12 +61,12 @@ class Columns(Mapping[str, NDArray[Any]]):
 
     _native: _halfline.Scene | _halfline.Particles
 
-    # A mapping compares values, and those of arrays have no single truth.
+    # A mapping compares values, and a comparison of arrays has no single truth.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 
     def __init__(self) -> None:
-        raise TypeError("Columns are those of a Scene: scene.columns")
+        raise TypeError("Columns belong to a Scene: scene.columns")
 
     @classmethod
     def _of(cls, native: _halfline.Scene | _halfline.Particles) -> Columns:

@@ -53,7 +53,7 @@ class Frame(Mapping[str, NDArray[Any]]):
     _native: _halfline.Frame
     _report: dict[str, Any] | None
 
-    # A mapping compares values, and those of arrays have no single truth.
+    # A mapping compares values, and a comparison of arrays has no single truth.
     __eq__ = object.__eq__
     __hash__ = object.__hash__
 

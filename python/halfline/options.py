@@ -93,7 +93,7 @@ class ReadOptions(TypedDict, total=False):
     select: str | Iterable[str]
     """Takes only the particles that an expression selects, such as "protein and not name H*",
     "chain A B", "resid 10:20", "element C N", "type 2", "bfactor < 30", "within 5 of (resname
-    HEM)"; if repeated, those of any.
+    HEM)"; if repeated, the particles that any selects.
     """
     hide: str | Iterable[str]
     """Leaves out the particles that an expression selects; may be repeated."""
@@ -187,8 +187,8 @@ class Options(TypedDict, total=False):
     cut_only: str | None
     """Planes cut only the spheres that EXPR selects; the others stay whole."""
     cut_color: Color | Mapping[str, Color] | None
-    """Colour of the faces that planes cut, or with EXPR=C of those of selected spheres, as color
-    takes it [default: that of each sphere]. Repeated, later ones win.
+    """Colour of the faces that planes cut, or with EXPR=C of the faces of selected spheres, as
+    color takes it [default: the colour of each sphere]. Repeated, later ones win.
     """
     size: tuple[int, int | None] | None
     """Columns and rows of the image [default: the scene file's, else (512, 512)]; (columns, None)
@@ -226,7 +226,7 @@ class Options(TypedDict, total=False):
     file's, else plain; for particles soft, unless shade or --stream is given].
     """
     occlusion: bool | int
-    """Ambient occlusion: a white sky, part of which other spheres hide; N rays for each point
+    """Ambient occlusion: a white sky, parts of it hidden by other spheres; N rays for each point
     [default: the scene file's, else 16].
     """
     reach: float | None
@@ -236,7 +236,7 @@ class Options(TypedDict, total=False):
     sun: ArrayLike
     """Adds a white light infinitely far in this direction; may be repeated."""
     shadows: bool
-    """Lights cast shadows, as those of scene files always do; without any light, adds one from
+    """Lights cast shadows, as lights of scene files always do; without any light, adds one from
     above left of the camera.
     """
     bounces: int | None
@@ -356,8 +356,8 @@ class SaveOptions(TypedDict, total=False):
     bits: Literal[8, 16]
     """Bits per component in PNG and TIFF: 8, 16 [default: 8]."""
     dpi: float | None
-    """Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; the number of
-    pixels is that of size, or follows from a size in millimetres.
+    """Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; size gives the
+    number of pixels, or it follows from a size in millimetres.
     """
     trim: bool
     """Cuts the borders in which nothing is shown off the picture and all buffers; what remains
@@ -374,7 +374,7 @@ class SaveOptions(TypedDict, total=False):
 
 
 class VectorOptions(Options, total=False):
-    """Keywords of `Scene.vector`: those of a rendering, and its own."""
+    """Keywords of `Scene.vector`: keywords of a rendering, and its own."""
 
     group: str | Iterable[str]
     """Divides the paths of a figure (.svg, .pdf) into groups by a column, such as residue, chain
@@ -384,6 +384,6 @@ class VectorOptions(Options, total=False):
     detail: float
     """Leaves out of a figure what is smaller than so many pixels [default: 0.1]."""
     dpi: float | None
-    """Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; the number of
-    pixels is that of size, or follows from a size in millimetres.
+    """Pixels per inch, stored in .png, .tif, .jpg, .webp, .svg and .pdf for print; size gives the
+    number of pixels, or it follows from a size in millimetres.
     """

@@ -61,7 +61,7 @@ class Particles:
     _native: _halfline.Particles
 
     def __init__(self) -> None:
-        raise TypeError("particles are those of a file: halfline.particles.read(file)")
+        raise TypeError("particles come from a file: halfline.particles.read(file)")
 
     @classmethod
     def _of(cls, native: _halfline.Particles) -> Particles:
@@ -71,7 +71,7 @@ class Particles:
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """Positions, shape (n, 3), in the file's unit; those of GROMACS in ångström."""
+        """Positions, shape (n, 3), in the file's unit; positions of GROMACS in ångström."""
         return self._native.positions
 
     @property
@@ -143,7 +143,7 @@ def read(path: Path, frame: int = 1, **options: Unpack[ReadOptions]) -> Particle
     Args:
         path: The file, compressed or not; its format follows from its content.
         frame: The number of the frame, from 1.
-        **options: Those of `ReadOptions` that are about particles: ``format``, ``columns``,
+        **options: Keywords of `ReadOptions` that are about particles: ``format``, ``columns``,
             ``topology``, ``model``, ``altloc``, ``assembly``, ``select``, ``hide``, ``wrap``, ...
 
     Raises:

@@ -25,9 +25,9 @@ class Part:
     """The spheres of a part of a scene that some ray of a frame may hit first.
 
     A `Sieve` makes it, and `Renderer.render` renders it. ``a | b`` and `combine` give the part of
-    both; whatever parts a scene is divided into, in whatever order and however often they are
-    combined, the frame is bit for bit that of all spheres in memory. Parts are pickled as the bytes
-    of their files, which are NumPy's .npz.
+    both. Whatever parts a scene is divided into, in whatever order and however often they are
+    combined, the frame is bit for bit the frame of all spheres in memory. Parts are pickled as the
+    bytes of their files, which are NumPy's .npz.
 
     >>> import functools, operator, pickle
     >>> import halfline as hl, numpy as np

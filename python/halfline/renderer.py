@@ -22,7 +22,7 @@ from .scene import Scene
 
 
 class Cuts(TypedDict, total=False):
-    """Keywords of `Renderer.trace` and `Renderer.scan` for planes that cut spheres, as those of
+    """Keywords of `Renderer.trace` and `Renderer.scan` for planes that cut spheres, as in
     `Renderer.render`.
     """
 
@@ -65,7 +65,7 @@ class Occlusion:
     hit: NDArray[np.bool_]
     """Whether some sphere is hit at 0 < t < tmax."""
     certainty: NDArray[np.uint8]
-    """As that of `Hits`."""
+    """As in `Hits`."""
 
     def __repr__(self) -> str:
         return _summary(self, self.hit)
@@ -78,8 +78,8 @@ class Echoes:
     beam: NDArray[np.uint32]
     """Ring and column of the beam, from 0, shape (n, 2); the highest ring is the first."""
     returns: NDArray[np.uint8]
-    """The number of the echo among those of its beam, from 1, and how many the beam has, shape
-    (n, 2).
+    """The number of the echo among all echoes of its beam, from 1, and how many the beam has,
+    shape (n, 2).
     """
     id: NDArray[np.int32]
     """Index of the sphere, int32."""
@@ -180,8 +180,8 @@ class Renderer:
 
         Args:
             scene: The scene, or a `Part`, which has its camera, size, window and samples.
-            camera: The camera; by default that of the scene's file, else one that shows all
-                spheres.
+            camera: The camera; by default the camera of the scene's file, else one that shows
+                all spheres.
             progress: ``True`` for a bar in a terminal or a notebook (by tqdm, if it is
                 installed), which is gone at the end, or a function that is called with ``step,
                 done, total, unit`` some 20 times a second from the calling thread; an exception
@@ -229,7 +229,7 @@ class Renderer:
             **options: See `Options`.
 
         Yields:
-            Frames, in the order of the cameras, equal to those of `render`.
+            Frames, in the order of the cameras, equal to the frames of `render`.
 
         >>> import halfline as hl
         >>> scene = hl.Scene([[0, 0, 0]], 1.0)
@@ -393,7 +393,7 @@ class Renderer:
             pattern: Degrees: ``"lidar:rings=N,vfov=LOW..HIGH,step=DEG"``, and optionally
                 ``,azimuth=FROM..TO`` and ``,range=LENGTH``. Azimuths are clockwise from the view.
                 ``,divergence=DEG[,returns=N]`` and ``,noise=SIGMA[,seed=N]`` measure echoes.
-            camera: The pose of the scanner: its eye, view and up; by default that of the scene.
+            camera: The pose of the scanner: its eye, view and up; by default the scene's camera.
             accuracy: As for `Renderer.trace`.
             progress: As for `Renderer.render`.
             **cuts: As for `Renderer.trace`.
@@ -480,8 +480,8 @@ def measure(
 
     Args:
         scene: The scene.
-        camera: A perspective camera; by default that of the scene.
-        size: Columns and rows; by default those of the scene.
+        camera: A perspective camera; by default the scene's.
+        size: Columns and rows; by default the scene's.
         methods: The methods, with ``certified`` and ``exact``; by default all.
         backend: Where to compute.
         adapter: The adapter, by index or part of its name.

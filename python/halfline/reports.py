@@ -33,7 +33,7 @@ def info(
     """What a file contains: format, frames, spheres, columns, elements, chains, cell, extent,
     warnings.
 
-    As ``halfline info --json``; the keywords are those of `read`.
+    As ``halfline info --json``; the keywords mean the same as in `read`.
     """
     if isinstance(columns, Mapping):
         columns = ",".join(f"{meaning}={column}" for meaning, column in columns.items())

@@ -188,10 +188,10 @@ class Scene:
         """The same spheres in other colours; centres, radii and columns are shared, not copied.
 
         Args:
-            colors: A colour for each sphere, or one for all, as those of `Scene`; or ``{expression: colour}`` for
-                the spheres that an expression selects, as in `read`: the last one wins, the others
-                keep their colours, and the legend has a row for each. The colour ``"element"`` is
-                that of each sphere's element.
+            colors: A colour for each sphere, or one for all, as in `Scene`; or
+                ``{expression: colour}`` for the spheres that an expression selects, as in `read`.
+                The last expression wins, the other spheres keep their colours, and the legend has
+                a row for each. ``"element"`` is the colour of each sphere's element.
 
         Raises:
             ValueError: for colours, or for an expression, with a mistake.
@@ -234,12 +234,12 @@ class Scene:
         'halfline[jupyter]'``.
 
         Args:
-            camera: The camera with which it begins; by default that of the file, else one that
-                shows all spheres.
+            camera: The camera with which it begins; by default the file's, else one that shows all
+                spheres.
             renderer: What renders; by default one `Renderer` for all views.
-            **options: Those of `Renderer.render`. ``size`` is that of the view in the notebook,
-                640 x 480 by default; ``aovs``, ``crop`` and ``dtype`` are left out, since a view
-                shows whole pictures.
+            **options: Options of `Renderer.render`. ``size`` is the size of the view in the
+                notebook, 640 x 480 by default; ``aovs``, ``crop`` and ``dtype`` are left out, since
+                a view shows whole pictures.
 
         Returns:
             The `halfline.view.View`, a widget with the traits ``camera``, ``picked`` and
@@ -267,8 +267,8 @@ class Scene:
         Python: to turn, to pick and to select from.
 
         Args:
-            camera: The camera with which it begins; by default that of the file, else one that
-                shows all spheres.
+            camera: The camera with which it begins; by default the file's, else one that shows all
+                spheres.
             columns: Further columns that it has of each sphere, by the words of `Scene.select`: what
                 a pick shows, and what its selections read. It has chain, residue, name and
                 element, and what options name, where the scene has them.
@@ -276,9 +276,9 @@ class Scene:
             caption: The caption below the picture.
             renderer: What renders the picture for browsers that cannot run the page; by default
                 one `Renderer` for all pages.
-            **options: Those of `Renderer.render`. ``size`` is that of the page in a notebook,
-                640 x 480 by default; ``aovs``, ``crop`` and ``dtype`` are left out, since a page
-                shows whole pictures.
+            **options: Options of `Renderer.render`. ``size`` is the size of the page in a
+                notebook, 640 x 480 by default; ``aovs``, ``crop`` and ``dtype`` are left out, since
+                a page shows whole pictures.
 
         Returns:
             The `halfline.page.Page`: ``page.save("figure.html")`` writes it, and a notebook shows it.
@@ -323,7 +323,7 @@ class Scene:
 
     @property
     def size(self) -> tuple[int, int]:
-        """Columns and rows of the image: those of the file, else 512 x 512."""
+        """Columns and rows of the image: the file's, else 512 x 512."""
         return self._native.size
 
     @property
@@ -367,7 +367,7 @@ class Scene:
         refused.
 
         Args:
-            camera: The camera; by default that of the scene.
+            camera: The camera; by default the scene's.
             **options: Keywords of a rendering, ``group``, ``detail`` and ``dpi``.
 
         Raises:
@@ -387,7 +387,7 @@ class Scene:
 
         Args:
             path: The file, a .glb.
-            camera: The camera that the file has; by default that of the scene.
+            camera: The camera that the file has; by default the scene's.
 
         Raises:
             OSError: if the file cannot be written.
@@ -428,7 +428,7 @@ def _rows(colors: Color, count: int) -> NDArray[np.float32]:
     if given.ndim == 2 and given.shape[1] == 4:
         raise ValueError(
             f"colors has the shape {given.shape}; give linear RGB, or the levels of sRGB with "
-            "alpha as an array of uint8, those of a map of matplotlib by map(values, bytes=True)"
+            "alpha as an array of uint8; a map of matplotlib gives them by map(values, bytes=True)"
         )
     return array("colors", colors, np.float32, "(n, 3)")
 
@@ -504,8 +504,8 @@ def read(
             Zstandard; see docs/reading.md. Or arrays by their names, as an .npz has them:
             ``{"positions": xyz, "radius": r, "charge": q}``.
         frame: The frame of a sequence, from 1.
-        size: Columns and rows of the image for which the camera is framed; by default those of the
-            file, else 512 x 512.
+        size: Columns and rows of the image for which the camera is framed; by default the
+            file's, else 512 x 512.
         keep: The columns in `Scene.columns`: ``True`` for all, names or words of selections such
             as ``["speed"]``, ``False`` for none. By default all of a molecule (PDB, PQR, PDBQT,
             mmCIF, GRO, also as the topology of a trajectory), which takes some 40 bytes per atom,
@@ -536,7 +536,7 @@ def read_frames(
     """The frames of a sequence, one after the other; at most one is in memory.
 
     All of them have the camera, the default radii and the range of colours of the first frame of
-    the file, so that a film does not jitter; ``hold="none"`` takes those of each frame.
+    the file, so that a film does not jitter; ``hold="none"`` takes each frame's own.
 
     Args:
         path: The file.

@@ -86,7 +86,7 @@ pub(crate) fn lens_of((kind, numbers): &LensArgument, size: Option<(u32, u32)>) 
 #[pymethods]
 impl Camera {
     #[new]
-    #[expect(clippy::too_many_arguments, reason = "those of the class in Python")]
+    #[expect(clippy::too_many_arguments, reason = "the arguments of the class in Python")]
     pub(crate) fn new(
         eye: [f64; 3],
         at: Option<[f64; 3]>,

@@ -12,7 +12,7 @@ use pyo3::prelude::*;
 
 /// A camera that shows all spheres of a scene, or the spheres of `focus`, from a direction or one with a name, and a warning.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "those of `Camera.fit` in Python")]
+#[expect(clippy::too_many_arguments, reason = "the arguments of `Camera.fit` in Python")]
 pub(crate) fn fit_camera(
     scene: &Scene,
     view: Option<[f64; 3]>,

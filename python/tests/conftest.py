@@ -11,8 +11,8 @@ import pytest
 
 import halfline as hl
 
-# Packages whose tests only `tests/run --all` runs, and those of `--ci`: hidden where they are installed too, so that a run does not
-# depend on the machine.
+# Packages whose tests only `tests/run --all` runs, and packages whose tests `--ci` also runs.
+# They are hidden where they are installed too, so that a run does not depend on the machine.
 ECOSYSTEM = ("ase", "MDAnalysis", "MDAnalysisTests", "h5py", "zarr", "pyarrow", "dask")
 ECOSYSTEM += ("distributed", "mpi4py", "openpmd_api")
 CHECKED = (

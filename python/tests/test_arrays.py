@@ -140,7 +140,7 @@ def test_arrays_share_their_memory_by_dlpack(cpu: hl.Renderer, cloud: hl.Scene) 
     arrays = [frame[name] for name in frame]
     arrays += [hits.id, hits.t, hits.distance, hits.normal, hits.certainty, cloud.centers]
     for array in arrays:
-        # As PyTorch asks for it; the address is that of the protocol, read without NumPy.
+        # As PyTorch asks for it; the address comes from the protocol, read without NumPy.
         capsule = array.__dlpack__(max_version=(1, 0))
         tensor = _Tensor.from_address(pointer(capsule, b"dltensor_versioned"))
         assert tensor.data == address(array)

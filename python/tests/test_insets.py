@@ -1,4 +1,4 @@
-"""Legend, label, scale bar and cell of pictures: those of the command, byte for byte."""
+"""Legend, label, scale bar and cell of pictures: the same as the command's, byte for byte."""
 
 from pathlib import Path
 from typing import Any

@@ -24,8 +24,7 @@ PAGES = [
         f"docs/{name}.md"
         for name in ("command", "reading", "selection", "film", "figure", "light")
     ),
-    *(f"docs/{name}.md" for name in ("lens", "formats", "trace", "page", "parts", "farm")),
-    *(f"docs/{name}.md" for name in ("gallery", "accuracy")),
+    *(f"docs/{name}.md" for name in ("formats", "trace", "view", "parts", "accuracy")),
 ]
 
 # Parts of commands that cannot run here, and the reason.

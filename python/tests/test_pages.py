@@ -49,6 +49,6 @@ def test_the_code_of_a_page_runs(
                     pytest.skip(f"the blocks before line {line + 1} ran: {error}")
                 if "without the program of pages" not in str(error):
                     raise
-                lacks = f"all blocks but that of line {line + 1} ran: {error}"
+                lacks = f"all blocks but the one of line {line + 1} ran: {error}"
     if lacks:
         pytest.skip(lacks)

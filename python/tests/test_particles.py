@@ -23,7 +23,7 @@ def test_arrays_have_the_numbers_of_the_file(tmp_path: Path) -> None:
     assert found.select("speed > 0.3").tolist() == [True, False, False]
     assert (len(found), found.number, found.cell, found.warnings) == (3, 1, None, [])
     assert not found.positions.flags.writeable and "kind" in repr(found)
-    # The columns are those of a scene that keeps all.
+    # The columns are the same as in a scene that keeps all.
     columns = hl.read(path, keep=True).columns
     assert set(found.columns) == set(columns)
     assert all(np.array_equal(found[name], columns[name]) for name in ["kind", "id", "index"])
@@ -61,5 +61,5 @@ def test_what_is_wrong_is_said(tmp_path: Path) -> None:
     scene.write_text("s 0 0 0 1\n")
     with pytest.raises(ValueError, match="not a file of particles"):
         particles.read(scene)
-    with pytest.raises(TypeError, match="those of a file"):
+    with pytest.raises(TypeError, match="come from a file"):
         particles.Particles()

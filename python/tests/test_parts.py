@@ -1,5 +1,5 @@
-"""Parts of scenes: the frame of any parts has the bits of that of all spheres, whatever the arrays
-come from and whichever engine combines them."""
+"""Parts of scenes: the frame of any parts has the bits of the frame of all spheres, whatever the
+arrays come from and whichever engine combines them."""
 
 import functools
 import operator
@@ -40,7 +40,7 @@ def part(first: int, end: int, **more: Any) -> hl.Part:
 
 
 def same(renderer: hl.Renderer, whole: hl.Part, scene: hl.Scene, **options: Any) -> None:
-    """Compares the frame of a part with that of a scene."""
+    """Compares the frame of a part with the frame of a scene."""
     found = renderer.render(whole, aovs=AOVS, **options)
     wanted = renderer.render(scene, CAMERA, size=(64, 48), aovs=AOVS, **options)
     for name in (*AOVS, "id"):
@@ -336,7 +336,7 @@ def test_the_example_with_dask(tmp_path: Path) -> None:
 
 
 def whole_picture(centers: Any, made: Path) -> None:
-    """Compares a picture of parts with that of all spheres in memory."""
+    """Compares a picture of parts with the picture of all spheres in memory."""
     camera = hl.Camera((0, 0, 12), at=(0, 0, 0), vfov=40)
     whole = made.with_name("whole.png")
     hl.render(hl.Scene(centers, 0.01), camera, size=(320, 240)).save(whole)

@@ -284,7 +284,7 @@ def test_values_give_the_colours_of_arrays(cpu: hl.Renderer) -> None:
     expected = hl.read(table, color_by="value", map="plasma", range=("10%", 80))
     assert np.array_equal(scene.colors, expected.colors)
     assert scene.columns["value"].tolist() == values.tolist()
-    # The look is that of scenes of arrays.
+    # The look is the same as for scenes of arrays.
     painted = hl.Scene(centers, radii, scene.colors, background="white")
     frames = [cpu.render(one, size=(30, 30)).image for one in (scene, painted)]
     assert np.array_equal(*frames)

@@ -492,7 +492,7 @@ def test_rays_keep_their_shape_and_are_checked(cpu: hl.Renderer) -> None:
 
 
 def test_given_rays_hit_faces(cpu: hl.Renderer, tmp_path: Path) -> None:
-    """Planes cut spheres for given rays and scanners, as for pictures; those of a scene file too."""
+    """Planes cut spheres for given rays and scanners, as for pictures, also planes of scene files."""
     scene = hl.Scene([[0, 0, 0], [0, 0, 0]], [4.0, 2.0])
     down = [[0, 0, -1], [3, 0, -9]]
     hits = cpu.trace(scene, (0, 0, 10), down, cut=(0, 0, 1, 1))

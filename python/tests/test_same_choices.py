@@ -1,6 +1,7 @@
 """The command and the package give the same pictures, buffers, warnings and refusals for the same choices, drawn at random.
 
-Every option that has a keyword is in the table of choices, or in that of options which are compared elsewhere.
+Every option that has a keyword is in the table of choices, or in the table of options which are
+compared elsewhere.
 """
 
 import json
@@ -353,7 +354,7 @@ class Draw:
                 refused = refused | OF_PARTICLES
             chosen = [name for name in chosen if name not in REFUSED | refused]
         if self.camera in [*LENSES, "fit", "focus"]:
-            # Frame 2 has camera 2 of a list, and the camera that shows all spheres is that of frame 1.
+            # Frame 2 has camera 2 of a list. The camera that shows all spheres belongs to frame 1.
             chosen = [name for name in chosen if name != "frames"]
         if self.camera == "focus":
             # The command selects a focus in the file, Python in the scene: of what is left, and of all copies.
@@ -564,7 +565,7 @@ def test_the_same_choices_are_the_same_pictures(
             line = " ".join([draw.file, *draw.words])
             wrong.append("\n  ".join([f"{seed}: {line} ({draw.camera})", *found]))
         refused += bool(draw.refusal)
-    print(f"{DRAWS} draws, {refused} of which both refuse")
+    print(f"{DRAWS} draws; both refuse {refused} of them")
     assert not wrong, f"{len(wrong)} of {DRAWS}:\n" + "\n".join(wrong)
 
 

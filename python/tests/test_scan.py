@@ -1,4 +1,4 @@
-"""Sweeps of scanners and models of spheres: those of the command."""
+"""Sweeps of scanners and models of spheres: the same as the command's."""
 
 import subprocess
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Figures without pixels: paths, names, files as those of the command, and what is refused."""
+"""Figures without pixels: paths, names, files as the command writes them, and what is refused."""
 
 from __future__ import annotations
 

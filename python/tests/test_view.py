@@ -298,7 +298,7 @@ def test_a_selection_is_orange(
     camera = page.view.to_camera()
     same = cpu.render(read, camera, size=SIZE, silhouette=True)
     assert same.to_png() == picture
-    # The legend is that of the reader too.
+    # The legend is also the reader's.
     painted = molecule.with_colors(colors)
     assert np.shares_memory(painted.centers, molecule.centers)
     assert np.array_equal(painted.colors, read.colors)  # type: ignore[arg-type]

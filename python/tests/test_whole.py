@@ -13,7 +13,7 @@ import halfline as hl
 
 @pytest.fixture
 def run(tmp_path: Path) -> Path:
-    """Two frames of 27 particles without radii, of which the second has a column ``q``."""
+    """Two frames of 27 particles without radii; the second has a column ``q``."""
 
     def frame(number: int) -> str:
         atoms = [

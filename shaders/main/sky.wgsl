@@ -9,7 +9,7 @@
 var<private> local_index: u32; // of this pixel in its workgroup
 var<private> own: u32;         // place of the sphere of the hit, which is decided by the side of its surface
 
-// The padding of boxes for a start that was computed in f32, beside its blur: docs/tree.md.
+// The padding of boxes for a start that was computed in f32, beside its blur: docs/certificate.md, section 13.
 const PAD: f32 = 40.0;
 // The smallest component of a direction for the boxes, 2^-32, as of the host.
 const LEAST: f32 = 2.3283064365386963e-10;

@@ -1,5 +1,5 @@
 // The traversal of a complete tree of bounding boxes over the spheres, eight children to a node, which lie in spheres in
-// its order. The host pads the rays so that they enter every box of a hit (docs/tree.md).
+// its order. The host pads the rays so that they enter every box of a hit (docs/certificate.md, section 9b).
 const LEVELS: u32 = 10u;           // the most levels of nodes
 const FIRSTS: u32 = 0x49249249u;   // its lowest 3 l bits are the place of the first node of level l, (8^l - 1)/7
 const LANE: u32 = 7u;              // the bits of a key that tell the child

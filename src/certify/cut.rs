@@ -1,5 +1,5 @@
 //! The hits of cut spheres in f64, with bounds: for most pixels they decide what the judge would, at a hundredth of its time.
-//! docs/certificate.md, "Spheres that planes cut", derives the bounds.
+//! docs/certificate.md, section 9a, derives the bounds.
 
 use super::given::{AnyHit, Bounds, CertifiedRay, EPS, HitNumbers};
 use super::surface::SurfacePoint;
@@ -14,17 +14,18 @@ use glam::DVec3;
 use std::borrow::Borrow;
 use std::cmp::Ordering;
 
-/// The largest relative error of a t, and the largest error of a normal as an angle, of an answer that is given in f64.
+/// The largest relative error of a t of an answer that is given in f64. Section 9a.
 pub(crate) const SHARP: f64 = 1.0 / (1u64 << 40) as f64;
+/// The largest error of a normal, as an angle, of an answer that is given in f64. Section 9a.
 const TURNED: f64 = 1.0 / (1u64 << 30) as f64;
 
-/// A distance from a plane, in the tree's unit, below which it may have lost bits.
+/// A distance from a plane, in the tree's unit, below which it may have lost bits. Section 9a.
 const TINY: f64 = 1e-290;
 
-/// Bound of the roundings of a quotient of bounds: theirs, its own and its product with this.
+/// Bound of the roundings of a quotient of bounds: theirs, its own and its product with this. Section 9a.
 const QUOTIENT: f64 = 8.0 * EPS;
 
-/// Room for the few roundings of the bounds themselves, and for products of two errors.
+/// Room for the few roundings of the bounds themselves, and for products of two errors. Section 9a.
 const ROUNDED: f64 = 1.0 + 1.0 / (1u64 << 20) as f64;
 
 /// The least and the largest t that a number may have.

@@ -1,4 +1,4 @@
-//! The certificate of a given ray in f64: bounds of t for one ray and one sphere. docs/certificate.md, "Given rays",
+//! The certificate of a given ray in f64: bounds of t for one ray and one sphere. docs/certificate.md, section 9,
 //! derives them.
 
 use crate::double_double::{self as dd, Dd};
@@ -7,10 +7,10 @@ use crate::scene::Ball;
 use crate::view::placement::{PLACED, Placement};
 use crate::view::ray::dot3;
 
-/// Half an ulp of 1: the relative error of one rounding to nearest.
+/// Half an ulp of 1: the relative error of one rounding to nearest. Section 9.
 pub(crate) const EPS: f64 = power_of_two(-53);
 
-/// The terms of the bounds: docs/certificate.md, "Given rays".
+/// The terms of the bounds: docs/certificate.md, section 9.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct GivenTerms {
     /// Errors of the components of p x d and of b = p.d, relative to |p| |d|.
@@ -41,15 +41,15 @@ pub(crate) const GIVEN_TERMS: GivenTerms = GivenTerms {
     tilt: [1.0, 3.0],
 };
 
-/// A power whose relative error is larger is computed again in double-double.
+/// A power whose relative error is larger is computed again in double-double. Section 9.
 const FAINT: f64 = power_of_two(-20);
-/// Factor for a few roundings of the bounds themselves.
+/// Factor for a few roundings of the bounds themselves. Section 9.
 const ROUNDED: f64 = 1.0 + power_of_two(-48);
-/// Factor for products of two errors, of rays that start beside their origin.
+/// Factor for products of two errors, of rays that start beside their origin. Section 10.
 pub(crate) const SLACK: f64 = 1.0 + power_of_two(-7);
-/// Far above the error of underflow in a product of two squares.
+/// Far above the error of underflow in a product of two squares. Section 9.
 const TINY: f64 = power_of_two(-900);
-/// Far above the error of underflow in a length.
+/// Far above the error of underflow in a length. Section 9.
 pub(crate) const SHORT: f64 = power_of_two(-500);
 
 /// A ray in the tree's unit; its direction is scaled by 2^-f, so that its largest component is in [1, 2). It starts at

@@ -21,7 +21,7 @@ use halfline_ground::memory::Pool;
 use halfline_ground::parallel::{self, CHEAP};
 
 /// Above the factor by which a device's f32 may understate the depth of a sphere that it places: 2^-20 of |c|_1 + r, which is below 112
-/// times the depth.
+/// times the depth. Section 9a of docs/certificate.md.
 const DEPTHS_ROUNDED: f64 = 1.0 + 1.0 / 4096.0;
 
 /// The result of placing all spheres on a device.

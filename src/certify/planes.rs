@@ -19,11 +19,11 @@ use halfline_ground::parallel::{self, CHEAP};
 use std::cmp::Ordering;
 
 /// Error of the host in a numerator and a denominator, relative to the sizes of their terms: fewer than 8 roundings, the roundings
-/// of the axes among them.
+/// of the axes among them. Section 9a.
 const HOST: f64 = 8.0 * f64::EPSILON;
 
 /// The largest size of a numerator, which leaves room for its quotients by the error of a denominator, which is at least 2^-49 as N has a
-/// length of 1 at least.
+/// length of 1 at least. Section 9a.
 const MOST: f64 = (1u128 << 90) as f64;
 
 /// A plane N.p = D as the rays of a view meet it: at the depth (relative to the reference) of a numerator over a denominator, both

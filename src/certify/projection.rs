@@ -18,59 +18,66 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use halfline_ground::error::Result;
 
-/// The unit roundoff of WGSL: 2^-23, since rounding may go in either direction.
+/// The unit roundoff of WGSL: 2^-23, since rounding may go in either direction. Section "The model of f32".
 const U: f64 = 1.0 / (1u64 << 23) as f64;
-/// The unit roundoff of the host: half an ulp of f64.
+/// The unit roundoff of the host: half an ulp of f64. Section 2.
 const U64: f64 = 1.0 / (1u64 << 53) as f64;
 /// Error of c - e after rotation in f64, per component, relative to |c - e|_1: subtraction, basis, product, two sums.
+/// Section 2.
 const ROTATED: f64 = 5.0 * U64;
-/// Largest |d|^2 for which the constants of a projected sphere's bound are derived (176 degrees).
+/// Largest |d|^2 for which the constants of a projected sphere's bound are derived (176 degrees). Section 2.
 pub(super) const WIDEST: f64 = 1024.0;
 /// Largest |d|^2 whose squares fit a general sphere's bound; wider fields of view are decided exactly.
+/// Section "The model of f32".
 const UNBOUNDED: f64 = (1u64 << 40) as f64;
-/// Smallest slope whose square does not underflow.
+/// Smallest slope whose square does not underflow. Section "The model of f32".
 const NARROWEST: f64 = 1.0 / (1u128 << 100) as f64;
 /// Largest pixel distance of a winner's projected centre or a general sphere's start: differences stay exact in f32.
+/// Section 3a.
 const FARTHEST: f64 = (1 << 22) as f64;
-/// Bits of the fixed-point projected centres without the sign; a difference to a pixel needs one more.
+/// Bits of the fixed-point projected centres without the sign; a difference to a pixel needs one more. Section 3a.
 const FIXED_BITS: u32 = 29;
 /// Smallest fixed-point unit, 2^-25 pixels: half of it exceeds the host's error of little more than 2^-27 pixels.
+/// Section 2.
 const FINEST: u32 = 25;
 /// Largest slope of a projected sphere's depth relative to its centre's; a steeper sphere is treated as near.
+/// Section 2.
 const STEEPEST: f64 = 0.75;
 /// Smallest power of the eye, in a general sphere's own unit, that f32 multiplies and divides without underflow:
-/// 2^-100.
+/// 2^-100. Section "The model of f32".
 const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64;
-/// An error of p.d that makes every answer uncertain, with a square in range.
+/// An error of p.d that makes every answer uncertain, with a square in range. Section 3.
 pub(super) const UNKNOWN: f32 = (1u64 << 60) as f32;
-/// The least promised tolerance that margins depend on: four units of roundoff.
+/// The least promised tolerance that margins depend on: four units of roundoff. Section 11.
 const LEAST_TOLERANCE: f64 = 1.0 / (1 << 21) as f64;
 /// Factor from the kernel's cull margin to the host's. Its excess over 1 is many times the rounding of f32, 2^-23.
+/// Section 11.
 const WIDER: f64 = 1.0 + 1.0 / (1u64 << 8) as f64;
-/// Factor for the rounding of the bounds themselves, here and in the kernel.
+/// Factor for the rounding of the bounds themselves, here and in the kernel. Section 2.
 const INFLATE: f64 = 1.0 + 1.0 / 512.0;
-/// Range of projected radii that f32 squares without underflow or overflow: 2^-60 to 2^60.
+/// Range of projected radii that f32 squares without underflow or overflow: 2^-60 to 2^60. Section "The model of f32".
 const RANGE: [f64; 2] = [1.0 / (1u64 << 60) as f64, (1u64 << 60) as f64];
 /// Range of the length of rho's unit in the frame's unit, 2^-80 to 2^80. The part of a product with such a length that
-/// f32 flushes is at most 2^-46 of it, which is less than the error of a depth.
+/// f32 flushes is at most 2^-46 of it, which is less than the error of a depth. Section "The model of f32".
 const LENGTHS: [f64; 2] = [1.0 / (1u128 << 80) as f64, (1u128 << 80) as f64];
 /// The largest depth in the frame's unit, 2^122. Depths of spheres that the unit is chosen for are below 2^121.
+/// Section 11.
 const DEEPEST: f64 = (1u128 << 122) as f64;
 /// Columns run along u, rows against v.
 const SIGNS: [f64; 2] = [1.0, -1.0];
-/// Largest error of a projected centre in f64, in pixels. Beyond it the centre is computed in double-double.
+/// Largest error of a projected centre in f64, in pixels. Beyond it the centre is computed in double-double. Section 2.
 const LONG: f64 = 1.0 / (1u64 << 27) as f64;
-/// Largest error of f64, in pixels, that double-double reduces to [`LONG`]: 2^40 times as large.
+/// Largest error of f64, in pixels, that double-double reduces to [`LONG`]: 2^40 times as large. Section 2.
 const LONGEST: f64 = (1 << 13) as f64;
 /// 1.5 * 2^52: adding it rounds to an integer, which the last bits of the sum hold.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// 2^-124, above the loss of f32 below its normal numbers in a few operations. It is far below `VANISH`, so no certain
-/// depth has it.
+/// depth has it. Section 2.
 const FLUSHED: f64 = 16.0 / (1u128 << 127) as f64 / 2.0;
-/// An upper bound of the rounding of f32 subnormals.
+/// An upper bound of the rounding of f32 subnormals. Section 4.
 const SUBNORMAL: f64 = 1.0 / (1u128 << 120) as f64 / (1u64 << 20) as f64;
 /// The margin of a sphere's extent in the image, in pixels and relative to its radius: far larger than the error of the
-/// host's f64 (2^-27 pixels, 2^-43), and too small to lengthen lists.
+/// host's f64 (2^-27 pixels, 2^-43), and too small to lengthen lists. Section 4.
 const WIDEN: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 + 1.0 / (1u64 << 30) as f64];
 
 /// The coefficients of the bound of all errors of a candidate's depth. [`Self::error`] combines them; devices do the

@@ -14,18 +14,20 @@ use glam::DVec3;
 
 /// Bound of the error of a viewing ray's direction in f64, relative to its length: two roundings of u and v, and in
 /// each sum over three axes one of the axis, one of the product, two of sums; the three components add up to sqrt 3 of
-/// that.
+/// that. Section 10.
 const DIRECTION: f64 = 12.0 * EPS;
-/// Bound of the error of a parallel ray's start in f64, relative to its distance from the eye.
+/// Bound of the error of a parallel ray's start in f64, relative to its distance from the eye. Section 10.
 const START: f64 = 14.0 * EPS;
 /// Error of a point that the judge gives, relative to the radius: three components of the normal, and a product.
+/// Section 10.
 const JUDGED: f64 = 4.0 * EPS;
 /// Largest error of a sharp point, relative to the radius. With a larger one too many of its rays would be unsure.
+/// Section 10.
 const BLURRED: f64 = 1.0 / (1u64 << 30) as f64;
-/// Largest error of a direction that is known well enough: 2^-12, whose square [`SLACK`] has room for.
+/// Largest error of a direction that is known well enough: 2^-12, whose square [`SLACK`] has room for. Section 10.
 const TILTED: f64 = 1.0 / (1u64 << 12) as f64;
 
-/// In the tree's unit, the longest way whose square is within f64 beside others.
+/// In the tree's unit, the longest way whose square is within f64 beside others. Section 10.
 const LONG: f64 = 1.0 / SHORT;
 /// A limit, in the tree's unit, beyond which a ray ends outside of every sphere that it starts from.
 const BEYOND: f64 = LONG * LONG;
@@ -133,7 +135,7 @@ impl SurfacePoint {
         Self::new(sphere, offset, blur * (1.0 + BLURRED), bounds.outside)
     }
 
-    /// Bound of the error of a viewing ray's direction that is scaled to length 1.
+    /// Bound of the error of a viewing ray's direction that is scaled to length 1. Section 10.
     pub(crate) const VIEWING_TILT: f64 = DIRECTION + 4.0 * EPS;
 
     /// Bound of the error of a mirrored direction of length 1, if the ray's direction has an error of `tilt`. The

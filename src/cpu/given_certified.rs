@@ -35,6 +35,7 @@ pub(crate) struct Given<'a> {
 }
 
 /// Largest error of a certified normal, in radians: the promised 1e-3, less the rounding to f32.
+/// Section 9 of docs/certificate.md.
 const TILT: f64 = 0.97e-3;
 
 impl Given<'_> {

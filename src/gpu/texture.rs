@@ -1,5 +1,5 @@
 //! Inputs that kernels read as textures of four u32 a texel: llvmpipe gives eight invocations a texel each at once, but reads
-//! numbers of a buffer one by one (docs/performance-log.md).
+//! numbers of a buffer one by one (docs/performance.md).
 
 use super::Gpu;
 use halfline_ground::error::{Error, Result};

@@ -1,5 +1,5 @@
 //! Predicts the worst-case rounding error of a method before anything is rendered: a bound from the spheres' extents
-//! alone, for every ray of every picture from this eye. docs/prediction.md derives it line by line.
+//! alone, for every ray of every picture from this eye. docs/accuracy.md derives it line by line.
 //!
 //! Two numbers. Each bounds a quantity that a score of `halfline-measure` observes:
 //!

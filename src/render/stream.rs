@@ -171,7 +171,7 @@ impl Stream {
     /// Adds the spheres of a block, whose numbers `number` gives, without a fingerprint.
     fn add_block(&mut self, block: &Spheres, number: &(impl Fn(usize) -> u64 + Sync)) -> Result<()> {
         if block.cuts.is_some() {
-            let problem = "planes cut the spheres of a block, and those of a stream belong to its scene";
+            let problem = "planes cut the spheres of a block, and the planes of a stream belong to its scene";
             return Err(Error::scene(Place::field("spheres"), problem, "give them to the scene"));
         }
         let Some(Left { spheres, places, changed }) = left(block, self.planes())? else {

@@ -3,6 +3,7 @@
 use halfline_ground::error::{Error, Place, Result};
 
 /// Largest number of columns or rows. 2j + 1 - W is exact in f32 far beyond it, and id buffers remain addressable.
+/// Section 8 of docs/certificate.md.
 pub const MAX_SIDE: i64 = 1 << 20;
 
 /// Checks an image size (W, H), for every reader and the command line.

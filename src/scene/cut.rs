@@ -68,6 +68,7 @@ impl Side {
 }
 
 /// Bound of the rounding of N.c - D and of r |N| in f64, relative to the sum of the sizes of their terms: fewer than 8 roundings.
+/// Section 9a of docs/certificate.md.
 const ROUNDED: f64 = 8.0 * f64::EPSILON;
 
 impl CutPlane {

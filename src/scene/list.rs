@@ -223,7 +223,7 @@ mod tests {
         assert!(first.is_sound(|value| *value < 4) && second.is_sound(|value| *value < 4));
         second.to_mut().push(4);
         assert!(!second.is_sound(|value| *value < 4), "of the changed values");
-        assert_ne!(second.digest(), digest, "that of the changed values");
+        assert_ne!(second.digest(), digest, "the digest of the changed values");
         assert_eq!((&first[..], &second[..]), (&[1, 2, 3][..], &[1, 2, 3, 4][..]));
         assert_ne!(second.as_ptr(), address);
         assert_eq!(first.into_vec(), [1, 2, 3]);

@@ -3,7 +3,7 @@
 //! Eight spheres make a block, eight blocks a node, eight nodes a node above them; every node but the last of its level
 //! is full. So the place of a node tells the places of its children, the depth is the logarithm of the count, and the
 //! same spheres give the same tree for any number of threads. The boxes are f32 in the tree's own unit, see [`Placement`];
-//! docs/tree.md derives their padding.
+//! docs/certificate.md, section 9b, derives their padding.
 
 pub(crate) mod bounding;
 mod box_ray;

@@ -20,6 +20,7 @@ pub(crate) struct FromEye {
 
 impl FromEye {
     /// Below this power double-double is not exact enough: its error is within 2^-92 for sums below 16.
+    /// Section 3 of docs/certificate.md.
     const FAINT: f64 = 1.0 / (1u64 << 42) as f64;
 
     pub(crate) fn new(eye: DVec3, center: [f64; 3], radius: f64) -> Self {

@@ -18,6 +18,7 @@ pub(crate) struct Placement {
 }
 
 /// The error of a coordinate in f64, in the tree's unit: one difference of numbers whose difference is at most 2.
+/// Section 9 of docs/certificate.md.
 pub(crate) const PLACED: f64 = 1.0 / (1u64 << 51) as f64;
 
 impl Placement {

@@ -22,6 +22,7 @@ pub(crate) struct EyePlane {
 }
 
 /// Bound of the error of a sum of three products and a number in double-double, relative to the sum of their sizes.
+/// Section 9a of docs/certificate.md.
 const SUMMED: f64 = 1.0 / (1u128 << 96) as f64;
 
 impl EyePlanes {

@@ -11,7 +11,7 @@ use bytemuck::Zeroable;
 use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::setting::{APERTURE, SAMPLES, SIZE};
 
-/// The most finer pixels along a side of a stratum.
+/// The most finer pixels along a side of a stratum. Section 8 of docs/certificate.md.
 const FINEST: u32 = 16;
 
 /// The rays of a frame.

@@ -120,7 +120,7 @@ fn in_the_canonical_camera_it_finds_the_spheres_of_the_textbook_kernel() {
         let page = ids_of_page(&adapter, &scene);
         let kernel_and_twin =
             [&mut gpu, &mut cpu()].map(|renderer| differing(&scene, &page, &textbook(renderer, &scene)));
-        println!("{name}: {kernel_and_twin:?} of {} pixels differ from those of the kernel and its twin", page.len());
+        println!("{name}: {kernel_and_twin:?} of {} pixels differ from the kernel and its twin", page.len());
         assert!(kernel_and_twin == [0, 0] || !is_strict(&gpu), "{name}");
     }
 }
@@ -134,7 +134,7 @@ fn from_an_eye_elsewhere_it_finds_them_but_for_rounding_errors() {
         let page = ids_of_page(&adapter, &scene);
         let from_kernel = differing(&scene, &page, &textbook(&mut gpu, &scene));
         let wrong = differing(&scene, &page, &ids(&mut cpu(), &scene, None, Accuracy::Exact));
-        println!("{name}: {from_kernel} of {} pixels differ from those of the kernel, {wrong} are wrong", page.len());
+        println!("{name}: {from_kernel} of {} pixels differ from the kernel, {wrong} are wrong", page.len());
     }
 }
 

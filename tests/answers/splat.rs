@@ -50,7 +50,7 @@ impl Both {
 
     /// Tells how many frames were compared; at most a share of them was left to the host.
     pub(super) fn done(self, most_left: u32) {
-        println!("{} frames compared, of which {} were left to the host", self.compared, self.left);
+        println!("{} frames compared, {} of them left to the host", self.compared, self.left);
         assert!(self.compared > 0 && self.left <= most_left, "{} of {}", self.left, self.compared);
     }
 }

@@ -1,7 +1,7 @@
 //! The promise: a kernel and its CPU twin give the same answer, bit for bit where the adapter rounds as IEEE 754 does.
 //!
 //! Gold standard: the twin, in Rust's f32. Tolerance on adapters that are known to do so: none. On any other every operation may
-//! round either way, and division be off by 2.5 ulp. The predicted errors (docs/prediction.md) hold for either twin, so these differ
+//! round either way, and division be off by 2.5 ulp. The predicted errors (docs/accuracy.md) hold for either twin, so these differ
 //! by at most twice as much: ids at the pixels between two outlines, distances where ids agree. Where outlines are predicted to
 //! be visibly off ([`VISIBLE`]) the form has lost its digits in this scene, as the lecture's forms do far from a sphere
 //! (docs/accuracy.md): either answer is as wrong as the other, and nothing is promised.

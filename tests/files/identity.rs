@@ -123,8 +123,7 @@ fn particles_that_come_and_go_are_named_once() {
     let frames = read(&path, &options("1-")).expect("frames");
     let found: Vec<_> = frames.iter().map(ids).collect();
     assert_eq!(found, [vec![5, 1, 9], vec![5, 9, 11, 20], vec![5, 1, 9], vec![]]);
-    let message =
-        "1 of 3 particles of the first frame is missing: the ids of those behind are those of this frame alone";
+    let message = "1 of 3 particles of the first frame is missing: the ids of later particles hold in this frame alone";
     assert!(warnings(&frames[1]).contains(message), "{}", warnings(&frames[1]));
     assert_eq!(warnings(&frames[2]).find("missing"), None);
     let less = file(&folder, "less.dump", &dump(&[vec![5, 1, 9], vec![1, 5], vec![1, 9]]));

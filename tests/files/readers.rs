@@ -197,7 +197,7 @@ fn the_colours_of_a_sky_and_the_look_of_a_scene_file_have_their_values() {
     let scene = read("s.toml", text.collect::<String>() + sky + "[occlusion]\nrays = 5\n").expect("a sky");
     let shown = SkyColors { is_shown: true, ..colors };
     assert_eq!(scene.lighting.sky, Some(Sky { rays: 5, colors: Some(shown), ..Sky::default() }));
-    assert_eq!(scene.image.background, [1.0; 3], "that of the horizon, where the sky's colours are not seen");
+    assert_eq!(scene.image.background, [1.0; 3], "the colour of the horizon, where the sky's colours are not seen");
     let plain = first("", "").expect("a scene");
     assert_eq!((plain.look, plain.scene.lighting), (FileLook::default(), Lighting::default()));
     for (lines, image, words) in [

@@ -1,4 +1,4 @@
-"""Compares the elements that halfline finds with those of gemmi, MDAnalysis and ParmEd, atom by atom.
+"""Compares the elements that halfline finds with the elements of gemmi, MDAnalysis and ParmEd, atom by atom.
 
     pip install gemmi MDAnalysis MDAnalysisTests parmed
     cargo build --example elements
@@ -11,7 +11,7 @@ Topologies: every PSF, AMBER and GROMACS topology there. They give elements as m
 written to files that give none (PDB with names that begin in the first column, in the second, and as the format says; GRO),
 which halfline reads.
 
-Crystals: every small-molecule CIF of those folders. The cell that halfline fills is that of gemmi, atom by atom; ASE's too
+Crystals: every small-molecule CIF of those folders. The cell that halfline fills equals gemmi's, atom by atom; ASE's too
 where it is installed and reads the file.
 
 Prints tables in markdown: files, atoms and differences; the differences that EXPLAINED explains; those that nothing explains.
@@ -142,7 +142,7 @@ def explanation(key):
 
 
 def compare(found, truth, key, differences):
-    """Atoms compared, those that differ, those of them that are explained, and those that only one program has."""
+    """Counts of atoms that are compared, that differ, and whose difference is explained; atoms that only one program has."""
     theirs = collections.defaultdict(collections.deque)
     for position, residue, name, symbol in truth:
         theirs[place(position)].append((residue, name, symbol))

@@ -3,7 +3,7 @@
     pip install laspy lazrs numpy
     python tests/independent/laz.py particles/src/formats/las/laz/samples
 
-The numbers of point n are those of `expected` in particles/src/formats/las/laz/tests.rs.
+Point n has the numbers of `expected` in particles/src/formats/las/laz/tests.rs.
 """
 import io, os, sys
 

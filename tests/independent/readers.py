@@ -82,7 +82,7 @@ def trajectories():
                 # MDAnalysis converts nm/ps to ångström/ps.
                 vy = step.velocities[stays, 1].astype("f8") / 10
                 speeds.append(error_of(ranges[n], [vy.min(), vy.max()]))
-        # Times are numbers of the file, or a product of three, of which MDAnalysis rounds another order.
+        # Times are numbers of the file, or a product of three, which MDAnalysis multiplies and rounds in another order.
         assert max(times + [0]) <= 4 * 2**-53, (name, max(times))
         assert max(errors) <= position and max(cells + [0]) <= cell and max(speeds + [0]) <= position, name
         one = read(path, "--frames", str(len(found)), *options)
@@ -350,7 +350,7 @@ def groups():
             assert len(ours) == len(theirs) and nearest.max() < 1e-12, (name, len(ours), len(theirs), nearest.max())
             assert len(set(np.abs(away).max(-1).argmin(-1).tolist())) == len(theirs), name
             count += 1
-    print(f"{count} names of settings: the points of the general position are those of gemmi {gemmi.__version__}")
+    print(f"{count} names of settings: the points of the general position equal the points of gemmi {gemmi.__version__}")
 
 
 for part in parts:

@@ -6,7 +6,7 @@
 As in lights.py with 2000 decimal digits and nothing shared with src: no point of the light is looked at. From the hit p the ball
 fills a cone, as does every sphere that may hide it. Where p is in the ball or on it, the share is 0. Where all spheres miss the
 cone, or are behind the ball, it is 0; where one covers the cone, or the ball is behind the surface of p, or a sphere around p
-excludes it, it is 1. Where one cone, or the plane of the surface, cuts that of the ball, the share is the area that two caps of a
+excludes it, it is 1. Where one cone, or the plane of the surface, cuts the cone of the ball, the share is the area that two caps of a
 sphere have in common: known to all digits, while a picture estimates it. Where several cut it, the hit is left out; where 400
 digits vanish, the case must say what is meant.
 
@@ -98,7 +98,7 @@ def share(p, normal, spheres, own, far, ball, known):
 
 
 def case(name, k, camera, spheres, pixels, ball, known=None, light_k=None):
-    """All lengths times 2^k, those of the light times 2^light_k. `known` is the sign where digits vanish."""
+    """All lengths times 2^k, lengths of the light times 2^light_k. `known` is the sign where digits vanish."""
     scaled = lambda numbers, k=k: [x * 2.0**k for x in numbers]
     camera = camera | {key: scaled(camera[key]) for key in ("eye", "at") if key in camera}
     spheres, ball = [scaled(s) for s in spheres], scaled(ball, k if light_k is None else light_k)
@@ -158,7 +158,7 @@ def distant():
 
 
 def small():
-    """Lights that are so small, or so near, that their squares vanish beside those of the scene."""
+    """Lights that are so small, or so near, that their squares vanish beside the squares of the scene."""
     for k in [-40, -300, -541, -800, -1000]:
         for n in range(3):
             spheres = [[*vector(3), 0.5 + abs(number(1))] for _ in range(4)]

@@ -4,7 +4,7 @@
 
 Everything is a fraction, as in layers.py, whose rays and order of two hits it takes. Nothing is shared with the program. A plane keeps
 N.p <= D. A ball is removed where N.c - r |N| >= D, whole where N.c + r |N| <= D for all planes, else cut; a spared one is whole. Of a ray the
-planes keep t_in < t < t_out. Each pixel is a letter, that of the sphere, as a capital where a plane shows its inside, or `.` for none.
+planes keep t_in < t < t_out. Each pixel is the letter of the sphere, as a capital where a plane shows its inside, or `.` for none.
 Scenes hold equal and nested spheres, planes through centres, at tangents, through the eye, along rays and parallel ones, and eyes inside.
 """
 
@@ -37,7 +37,7 @@ def side(sphere, planes, spared):
 
 
 def kept(eye, direction, planes):
-    """t_in, whether it is that of a plane, and t_out; `None` for no end. `None` where planes keep nothing of the ray."""
+    """t_in, whether a plane gives it, and t_out; `None` for no end. `None` where planes keep nothing of the ray."""
     entry, exit = None, None
     for *normal, distance in planes:
         along = sum(Fraction(n) * d for n, d in zip(normal, direction))

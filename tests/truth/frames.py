@@ -3,7 +3,7 @@
     python3 -m pip install mpmath==1.3.0
     python3 tests/truth/frames.py
 
-The formulas are those of make.py, with as many decimal digits as a scene's numbers are apart. Nothing is shared with the
+The formulas come from make.py, with as many decimal digits as a scene's numbers are apart. Nothing is shared with the
 program: the basis is normalised and the quadratic solved as they stand. A pixel that digits cannot decide is refused, so
 no frame holds one. Each row of a frame is a string: `.` for a miss, else the digit of the sphere.
 """

@@ -2,7 +2,7 @@
 
     python3 tests/truth/layers.py
 
-Everything is a fraction. The cameras look along an axis, so that no basis is irrational, and the order of two hits is that of
+Everything is a fraction. The cameras look along an axis, so that no basis is irrational, and two hits have the order of their
 (b - s sqrt(D)) / a, which is decided by squares. Nothing is shared with the program. Each pixel is a string of letters: the
 translucent spheres before the first opaque one, nearest first, then that one, or `.` for none. Of equal hits the lower id is
 the nearer one. Scenes hold equal spheres, spheres that meet a ray at the same point, rays that only touch, and eyes inside.
@@ -129,7 +129,7 @@ def main():
     Path(__file__).with_name("layers.json").write_text(f"[\n{lines}\n]\n")
     pixels = [pixel for one in scenes for row in one["rows"] for pixel in row]
     deep = [sum(len(pixel) > n for pixel in pixels) for n in range(1, 8)]
-    print(len(scenes), "scenes,", len(pixels), "pixels, of which so many have 1, 2, .. hits before the last:", deep)
+    print(len(scenes), "scenes,", len(pixels), "pixels; so many have 1, 2, .. hits before the last:", deep)
 
 
 if __name__ == "__main__":

@@ -61,7 +61,7 @@ fn one(record: &Record, scene: &SceneRecord) -> String {
     text + &refusals(record, None)
 }
 
-/// Many scenes: a row for each, a column for each method; Markdown, as in docs/extremes.md.
+/// Many scenes: a row for each, a column for each method; Markdown, as in docs/accuracy.md.
 fn suite(record: &Record) -> String {
     let mut text = String::new();
     for (n, place) in record.places.iter().enumerate() {

@@ -90,5 +90,5 @@ fn keywords_of_python_are_those_of_the_table() {
     }
     let found = fs::read_to_string(&path).expect("the file of the package");
     let mend = "HALFLINE_WRITE=1 cargo test -p halfline-command --lib keywords_of_python writes it";
-    assert!(found == expected, "python/halfline/options.py is not that of the options: {mend}");
+    assert!(found == expected, "python/halfline/options.py does not match the options: {mend}");
 }

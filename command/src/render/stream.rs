@@ -170,9 +170,9 @@ impl<'a> Source<'a> {
         let framed = self.aim(&mut frame, copied.as_ref())?;
         if copied.is_none() && self.lacks_range() {
             self.check_own("the range of colours", "add --range LOW,HIGH")?;
-            self.check_repeatable("the range of colours is that of all particles", "add --range LOW,HIGH")?;
+            self.check_repeatable("the range of colours depends on all particles", "add --range LOW,HIGH")?;
             self.survey(
-                "the range of colours is that of all particles, so the file is read for it first (see --range)",
+                "the range of colours depends on all particles, so the file is read for it first (see --range)",
             )?;
         }
         let (mut picture, own) = self.begin(frame, settings, targets)?;
@@ -222,8 +222,8 @@ impl<'a> Source<'a> {
     pub(crate) fn part(mut self, settings: &Settings, first_id: u64) -> Result<(Part, Vec<String>, bool)> {
         let refused = [
             (self.is_copied(), "the ids of copies depend on all spheres", "remove --copies and --assembly"),
-            (self.lacks_range(), "--color-by: the range of colours is that of all parts", "add --range LOW,HIGH"),
-            (!self.options.marks.is_empty(), "what --at selects is that of all parts", "give --at a point"),
+            (self.lacks_range(), "--color-by: the range of colours depends on all parts", "add --range LOW,HIGH"),
+            (!self.options.marks.is_empty(), "what --at selects depends on all parts", "give --at a point"),
         ];
         if let Some((_, problem, mend)) = refused.into_iter().find(|(is_given, ..)| *is_given) {
             return Err(Error::settings(problem, mend));
@@ -355,7 +355,7 @@ impl<'a> Source<'a> {
             Hold::All => "all frames",
             Hold::First | Hold::None => return Ok(()),
         };
-        let problem = format!("--stream: {what} is that of {of} of the file (see --hold), and one frame is read");
+        let problem = format!("--stream: {what} depends on {of} of the file (see --hold), and one frame is read");
         Err(Error::settings(problem, format!("{mend}, or use --hold none")))
     }
 

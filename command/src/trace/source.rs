@@ -82,7 +82,7 @@ impl SourceArgs {
         match (any, has_echoes) {
             (true, true) => {
                 let problem =
-                    format!("{ANY} finds no echoes, of which divergence and noise of the pattern are properties");
+                    format!("{ANY} finds no echoes, and divergence and noise of the pattern belong to echoes");
                 Err(Error::settings(problem, format!("remove {ANY}, or these keys")))
             }
             (true, false) => Ok(Query::Any),

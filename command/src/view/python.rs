@@ -38,9 +38,9 @@ pub(super) fn lines(file: Option<&OsStr>, output: &OsStr, options: &[GivenOption
     let [width, height] = request.size;
     let scene = match (file, values(options, "color")) {
         (Some(file), _) => format!("scene = hl.read({}{})", path(file), keywords(Call::Read)),
-        (None, None) => "# scene is that of the view".to_owned(),
+        (None, None) => "# scene is the scene of the view".to_owned(),
         (None, Some(rules)) => {
-            format!("# scene is that of the view\nscene = scene.with_colors({})", value(Form::Rules, &rules))
+            format!("# scene is the scene of the view\nscene = scene.with_colors({})", value(Form::Rules, &rules))
         }
     };
     let output = path(output);

@@ -58,7 +58,7 @@ fn a_film_of_a_hundred_frames_has_one_camera_one_radius_and_one_range() {
     assert_eq!(each[0]["camera"], film[0]["camera"]);
     assert!(each[1]["camera"] != each[0]["camera"] && each[2]["camera"] != each[1]["camera"]);
     let stderr = |options: &str| dir.render(&format!("gas.dump --size 64x48 --json --frames 50 {options}")).err;
-    assert!(stderr("").contains("of the first frame of the file (see --hold)"));
+    assert!(stderr("").contains("come from the first frame of the file (see --hold)"));
     let first = film[0]["warnings"][0].as_str().expect("a warning");
     assert!(first.contains("half the mean spacing") && stderr("").contains(first), "{first}: {}", stderr(""));
     assert!(!stderr("--hold none").contains("held"));
@@ -195,7 +195,7 @@ fn percentiles_of_a_film_are_those_of_all_frames() {
         assert!(pixels('a') == pixels('b') && pixels('c') == pixels('b'), "picture {k}");
     }
     dir.render("film.xyz --frames 1-2 --size 60x20 --color-by q --range 10%,90% -o d%d.png");
-    assert!(dir.get("d1.png") != dir.get("b1.png"), "those of the first frame");
+    assert!(dir.get("d1.png") != dir.get("b1.png"), "percentiles of the first frame");
 }
 
 #[test]
@@ -240,7 +240,7 @@ fn pictures_and_reports_give_their_camera_back() {
         assert_eq!(old, new, "{file}");
     }
     let size = dir.render("other.xyz --json --camera-from a.png").json();
-    assert_eq!(size["camera"], first[0]["camera"], "the size is that of the picture");
+    assert_eq!(size["camera"], first[0]["camera"], "the picture gives the size");
     let wide = dir.render("other.xyz --json --camera-from a.png --size 128x48").json();
     let side = |report: &Value, k: usize| report["camera"]["viewport"][k].as_f64().expect("a number");
     assert_eq!(side(&wide, 1), side(&size, 1));

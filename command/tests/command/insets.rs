@@ -67,7 +67,7 @@ fn panels_are_in_the_picture_and_in_no_other_buffer() {
     dir.render("s.toml --transparent --label x -o t.png --aov alpha=a.npy");
     let (levels, _) = dir.array("t.png");
     assert_eq!(levels[4 * (6 * 300 + 6)..][..4], [255.0, 255.0, 255.0, 204.0]);
-    assert_eq!(dir.array("a.npy").0[6 * 300 + 6], 0.0, "the buffer is that of the scene");
+    assert_eq!(dir.array("a.npy").0[6 * 300 + 6], 0.0, "the buffer shows the scene alone");
 }
 
 /// Titles and captions stand in a legend in place of the program's words.

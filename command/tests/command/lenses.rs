@@ -1,4 +1,4 @@
-//! The promise of `--lens` and of `[camera] lens`: rays follow the models that docs/lens.md names, whoever gives the lens.
+//! The promise of `--lens` and of `[camera] lens`: rays follow the models that docs/light.md names, whoever gives the lens.
 
 use crate::page::{Page, moved};
 use crate::test_dir::TestDir;

@@ -21,14 +21,11 @@ fn words(line: &str) -> Vec<String> {
     line.split(between).filter(|word| !word.is_empty()).map(|word| word.replace('\'', "")).collect()
 }
 
-/// The pictures of docs/gallery.md and docs/figure.md, and those that README.md has beside its commands.
+/// The pictures of docs/figure.md, and those that README.md has beside its commands.
 fn pictures() -> Vec<Picture> {
     let text = |file: &str| std::fs::read_to_string(in_checkout(file)).expect("a page");
-    let pages = [
-        (text("README.md"), vec!["docs/", "docs/gallery/"]),
-        (text("docs/gallery.md"), vec!["gallery/"]),
-        (text("docs/figure.md"), vec!["figure/"]),
-    ];
+    let pages =
+        [(text("README.md"), vec!["docs/", "docs/gallery/"]), (text("docs/figure.md"), vec!["figure/", "gallery/"])];
     let of_page = |(page, folders): &(String, Vec<&str>)| {
         let of = |line: &str| {
             let line = line.trim_start().replacen(
@@ -77,7 +74,7 @@ fn pictures_of_the_documentation_are_what_their_commands_render() {
             dir.render(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
             let found = String::from_utf8(dir.get(words.last().expect("a name"))).expect("text");
             let expected = std::fs::read_to_string(file).expect("a figure");
-            assert!(is_same_figure(&found, &expected), "{} is another figure than that of {words:?}", file.display());
+            assert!(is_same_figure(&found, &expected), "{} differs from the figure of {words:?}", file.display());
             compared += 1;
             continue;
         }
@@ -95,7 +92,7 @@ fn pictures_of_the_documentation_are_what_their_commands_render() {
         dir.render(&arguments.iter().map(String::as_str).collect::<Vec<_>>());
         let (found, _) = dir.array(words.last().expect("a name"));
         let rows = (y0..y1).flat_map(|y| &expected[channels * (y * width + x0)..channels * (y * width + x1)]);
-        assert!(found.iter().eq(rows), "{} is another picture than that of {words:?}", file.display());
+        assert!(found.iter().eq(rows), "{} differs from the picture of {words:?}", file.display());
         compared += 1;
     }
     println!("{compared} of {} pictures", pictures.len());

@@ -152,7 +152,8 @@ impl SceneFrame {
             if other != *text {
                 let selection = rule.selection.brief();
                 return Ok(Some(format!(
-                    "{MARK_ONE} writes {} at all that {selection} selects, some of which is {}; select less, or use {MARK}",
+                    "{MARK_ONE} writes {} at all that {selection} selects, but the text of some is {}; \
+                     select less, or use {MARK}",
                     quote(text),
                     quote(&other)
                 )));

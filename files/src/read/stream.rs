@@ -79,7 +79,7 @@ impl SphereBlocks {
     pub fn open(path: &Path, options: &ReadOptions) -> Result<Self> {
         check(options)?;
         if needs_range(options) {
-            let problem = format!("{STREAM}: the range of colours is that of all particles");
+            let problem = format!("{STREAM}: the range of colours depends on all particles");
             return Err(Error::settings(problem, format!("add {RANGE} LOW,HIGH")));
         }
         Self::begin(path, options, false, options.style.coloring == Coloring::File)
@@ -332,7 +332,7 @@ impl SphereBlocks {
         colors.see(part.color_type, &part.colors);
         if before.is_some_and(|before| before != colors.scale()) {
             let problem =
-                "the colours of one part are levels of 8 or of 16 bits or all 0, and those of another are not";
+                "the colours of one part are levels of 8 or of 16 bits or all 0, and the colours of another are not";
             return Err(Error::settings(problem, format!("add {COLOR}, or remove {STREAM}")));
         }
         part.lighten_part(colors);

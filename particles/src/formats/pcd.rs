@@ -90,7 +90,7 @@ impl Points<'_> {
         let size = u64::from(u32::from_le_bytes(file.bytes("decompressed size")?));
         let (count, record) = (self.header.points, &self.header.record);
         if size != count * record.size() as u64 {
-            let problem = format!("{size} bytes are not those of {count} points of {} bytes", record.size());
+            let problem = format!("{size} bytes do not match {count} points of {} bytes", record.size());
             return Err(file.fail(at, "decompressed size", problem, DAMAGED));
         }
         let (at, mut packed_points) = (file.at(), Vec::new());
@@ -282,7 +282,7 @@ mod tests {
             (format!("{HEAD}DATA ascii\n1 2 3\n").into_bytes(), ":12:6: point"),
             (format!("{HEAD}DATA ascii\n1 2 3 0 0 9 9 9 3 4 5\n").into_bytes(), ":12:21: point"),
             (binary()[..binary().len() - 1].to_vec(), "points: the file ends after 98 of 99 bytes"),
-            (size, "are not those of 3 points of 33 bytes"),
+            (size, "do not match 3 points of 33 bytes"),
             (damaged, "points: they do not decompress to 99 bytes"),
         ] {
             let error = read(&bytes, false).map(drop).expect_err(expected).to_string();

@@ -135,7 +135,7 @@ fn united<'a>(mut frames: Vec<Particles>, names: &[&str], paths: impl Iterator<I
         // Numbers of colours mean what their own file says.
         frame.lighten();
         if frame.column(FILE).is_some() {
-            let words = format!("the column {FILE} has the names of the files, not those of the column of this file");
+            let words = format!("the column {FILE} has the names of the files, not the values of this file's column");
             frame.skipped.assumed.push(words);
         }
         for message in &mut frame.skipped.assumed {

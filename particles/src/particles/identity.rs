@@ -151,7 +151,8 @@ impl Ordered {
                 missing.map(|missing| {
                     let are = if missing == 1 { "is" } else { "are" };
                     format!(
-                        "{missing} of {} of the first frame {are} missing: the ids of those behind are those of this frame alone",
+                        "{missing} of {} of the first frame {are} missing: \
+                         the ids of later particles hold in this frame alone",
                         count(before, "particle"),
                     )
                 })

@@ -12,7 +12,7 @@ use crate::view::ray::positive;
 use pulp::NullaryFnOnce;
 
 /// The relative rounding of a lower bound as the kernel computes it, and of the quotients here: the kernel's is within
-/// 2 x 15 u < 2^-18.
+/// 2 x 15 u < 2^-18. Section 3b.
 const ROUNDED: f64 = 1.0 / (1 << 16) as f64;
 
 /// The rays through a rectangle of pixels of the view's frame.

@@ -8,9 +8,11 @@ use crate::tile::TILE;
 
 /// The margin that a disc is shrunk by, in pixels and relative to its radius. With one unit of the fixed point it far
 /// exceeds the error of the record (2^-24 of a radius, half that unit), and is too small to leave a pixel uncovered.
+/// Section 4 of docs/certificate.md.
 const SHRINK: [f64; 2] = [1.0 / (1u64 << 16) as f64, 1.0 / (1u64 << 20) as f64];
 
 /// Error of a record's depth: the rounding of its relative part to f32, and the host's 2^-43 of the total.
+/// Section 4 of docs/certificate.md.
 const DEEPER: [f64; 2] = [1.0 / (1u64 << 20) as f64, 1.0 / (1u64 << 40) as f64];
 
 /// Layers of translucent spheres up to which these are counted; in a picture of more, opaque spheres alone hide others.

@@ -20,14 +20,17 @@ pub(in crate::certify) enum Enclosed {
 }
 
 /// The distance of a box from all rays, relative to that from the eye, at which every bound of the kernel proves that they miss:
-/// the square of it is 2^-8, and the bounds are below 2^-16 for rays of |d|^2 up to `NARROW`.
+/// the square of it is 2^-8, and the bounds are below 2^-16 for rays of |d|^2 up to `NARROW`. Section 11.
 const MISS_DISTANCE: f64 = 1.0 / 16.0;
+/// The largest |d|^2 of rays for which [`MISS_DISTANCE`] is derived. Section 11.
 const NARROW: f64 = 16.0;
 
 /// More than the rounding of the f64 expressions whose operands are not joined monotonically: 2^-50 and less.
+/// Section 11.
 const SLACK: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// Pixels that the place of a projected centre may move by when it is computed in double-double, beside its bound.
+/// Section 11.
 const MOVED: f64 = 1.0 / (1 << 20) as f64;
 
 impl ProjectionBounds {

@@ -16,11 +16,11 @@ use glam::DVec3;
 use std::ops::Range;
 
 /// Largest relative error of f64 in the depth of a projected sphere under parallel projection: half of the kernel's
-/// bound.
+/// bound. Section 3a of docs/certificate.md.
 const KNOWN: f64 = 1.0 / (1u64 << 44) as f64;
 
 /// The depth, relative to the reference, of a centre behind all others, which hides nothing. Under parallel projection its hits are never
-/// certified: this depth stands for a sphere that may intersect the eye plane.
+/// certified: this depth stands for a sphere that may intersect the eye plane. Section 3a of docs/certificate.md.
 const NEVER: f64 = -((1u128 << 126) as f64);
 
 /// A sphere before its projection into the image.

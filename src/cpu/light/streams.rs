@@ -28,9 +28,11 @@ const PIXELS_PER_JOB: usize = 1 << 16;
 const LEAST_PIXELS: usize = 1 << 9;
 
 /// The cosine below which the side of a ray is not known: normals are off by 2^-29, and their product with a direction is rounded.
+/// Section 10a of docs/certificate.md.
 const GRAZING: f32 = 1.0 / (1u32 << 20) as f32;
 
 /// The length of a margin around spheres in which a point may be inside of them, in the tree's unit.
+/// Section 10a of docs/certificate.md.
 const NEAR: f64 = 1.0 / (1u64 << 18) as f64;
 
 impl LightingContext<'_> {
@@ -210,9 +212,11 @@ impl Work16 for Batch<'_> {
 }
 
 /// Bound of the error of a start, as a length in the tree's unit: a normal off by 2^-29 and a radius of at most 1.
+/// Section 9a of docs/certificate.md.
 const START: f64 = 1.0 / (1u64 << 28) as f64;
 
 /// Bound of the error of the product of a plane's normal and a direction of length 1 in f64, over the length of the normal.
+/// Section 9a of docs/certificate.md.
 const ACROSS: f64 = 1.0 / (1u64 << 48) as f64;
 
 impl Hits {

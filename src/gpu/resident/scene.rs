@@ -56,8 +56,10 @@ pub(crate) struct Reach {
 }
 
 /// The largest range of exponents of sizes and distances that devices place: records keep their bits in every unit.
+/// Section 12 of docs/certificate.md.
 const SPAN: i32 = 64;
 /// The largest exponent of a number that integers of shaders/place/float64.wgsl multiply.
+/// Section 12 of docs/certificate.md.
 const LARGEST: i32 = 300;
 
 impl Reach {

@@ -293,7 +293,7 @@ fn spheres_that_a_device_leaves_out_are_missed() {
             }
         }
     }
-    println!("{out} spheres are left out, of which {generals} are general");
+    println!("{out} spheres are left out, {generals} of them general");
     assert!(generals > 5000, "{generals} of {out}");
 }
 

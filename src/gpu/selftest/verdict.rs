@@ -97,8 +97,9 @@ impl Verdict {
     }
 }
 
-/// The largest error of division that WGSL allows, in ulps.
+/// The largest error of division that WGSL allows, in ulps. Section "The model of f32" of docs/certificate.md.
 pub(super) const DIV_ULP: f64 = 2.5;
 
 /// The largest error of sqrt: 1/inverseSqrt, 2 and 2.5 ulp, and their product.
+/// Section "The model of f32" of docs/certificate.md.
 pub(super) const SQRT_ULP: f64 = 4.6;

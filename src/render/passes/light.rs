@@ -209,7 +209,7 @@ pub(super) fn all_spheres(at: &mut Rendering<'_>, plan: &Plan) -> LightSetup {
     let Rendering { renderer, scene, log, .. } = at;
     let tree = log.time("tree", || renderer.order.tree(&scene.spheres, renderer.frames));
     // A device holds the hits of the viewing rays of a plane.
-    let by_host = plan.given.as_ref().map(|_| "its viewing rays are those of a curved lens");
+    let by_host = plan.given.as_ref().map(|_| "a curved lens gives its viewing rays");
     let (blockers, spared) = log.time("tree", || of_cuts(&scene.spheres, 0..scene.spheres.len() as u32)).unzip();
     LightSetup { tree, blockers, spared, accuracy: plan.accuracy, from_first: true, by_host }
 }

@@ -127,7 +127,7 @@ pub(super) fn run(
     let Sampling { kernel, scene, plan, .. } = sampling;
     let Some(gpu) = at.renderer.device.gpu.as_ref().filter(|_| sampling.fits_device()) else { return Ok(None) };
     if gpu.draws == Some(false) && !gpu.summary.is_software() {
-        let reason = format!("those of {} differ from the host's", gpu.summary.name);
+        let reason = format!("the samples of {} differ from the host's", gpu.summary.name);
         at.log.leave_to_host(LEFT, &reason);
     }
     let (Some(tree), Some(true)) = (&sky.trees.tree, gpu.draws) else { return Ok(None) };

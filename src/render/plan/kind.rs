@@ -54,7 +54,7 @@ impl EngineKind {
 const MAX_VIEWED: usize = 100_000;
 
 /// The most spheres that a method tests for each given ray: 1e5 rays then take 4 to 14 CPU seconds
-/// (docs/performance-log.md), and 1e5 certified rays less than one.
+/// (docs/performance.md), and 1e5 certified rays less than one.
 const MAX_GIVEN: usize = 10_000;
 
 /// Refuses a method for more spheres than it tests for each viewing ray.

@@ -36,6 +36,7 @@ pub(super) fn left(block: &Spheres, planes: &[CutPlane]) -> Result<Option<Left>>
 }
 
 /// Bound of the rounding of N.c and of r |N| in f64, relative to the sum of the sizes of their terms.
+/// Section 9a of docs/certificate.md.
 const ROUNDED: f64 = 16.0 * f64::EPSILON;
 
 /// Copies as planes leave them.

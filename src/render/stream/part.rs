@@ -226,7 +226,7 @@ impl Part {
         let known = header.digests.ids();
         let is_known = |id: u64| known.iter().any(|[first, end]| (*first..*end).contains(&id));
         if !kept.numbers.is_sorted_by(|a, b| a < b) || !kept.numbers.iter().all(|id| is_known(*id)) {
-            return Err(damaged(&"its ids are not those of its digests"));
+            return Err(damaged(&"its ids do not match its digests"));
         }
         kept.spheres.check()?;
         let scene = header.view.scene();

@@ -8,6 +8,7 @@ use halfline_ground::error::{Error, Result};
 use halfline_ground::quote::setting::{APERTURE, SAMPLES};
 
 /// The most columns and rows of a frame, 2^20: twice as many odd numbers are exact in f32.
+/// Section 8a of docs/certificate.md.
 const MAX_PLACES: i64 = 1 << 20;
 
 /// The most parts of a pixel in which the principal point is given.

@@ -23,9 +23,9 @@ pub(crate) struct Bounding {
     pub(crate) levels: Vec<Vec<Balls>>,
 }
 
-/// Bound of the error of a sphere's centre as f32, with more to spare.
+/// Bound of the error of a sphere's centre as f32, with more to spare. Section 10a of docs/certificate.md.
 const ROUNDED: f32 = 1.0 / (1u32 << 22) as f32;
-/// Above the rounding of a distance in f32, relative.
+/// Above the rounding of a distance in f32, relative. Section 10a of docs/certificate.md.
 const LONGER: f32 = 1.0 + 1.0 / (1u32 << 20) as f32;
 
 impl Bounding {

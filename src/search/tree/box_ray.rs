@@ -1,24 +1,24 @@
-//! A ray as the boxes of the tree see it.
+//! A ray as the boxes of the tree see it. docs/certificate.md, section 9b, derives its padding.
 
 use crate::view::placement::PLACED;
 
-/// u of docs/certificate.md: WGSL rounds up or down.
+/// u of docs/certificate.md: WGSL rounds up or down. Section 9b.
 const U: f64 = 1.0 / (1u64 << 23) as f64;
 
-/// The roundings of a slab test in u, of the largest number in it: docs/tree.md.
+/// The roundings of a slab test in u, of the largest number in it. Section 9b.
 const SLABS: f64 = 8.0;
 
 /// Smallest component of a direction in slab tests. A smaller one is replaced by it, so that nothing is divided by
-/// zero. That moves a point of the ray by less than 2^-32 of its way.
+/// zero. That moves a point of the ray by less than 2^-32 of its way. Section 9b.
 const LEAST: f64 = 1.0 / (1u64 << 32) as f64;
 
-/// Origins farther than this from the middle, in the tree's unit, are moved along the ray to the scene.
+/// Origins farther than this from the middle, in the tree's unit, are moved along the ray to the scene. Section 9b.
 const NEAR: f64 = 4.0;
 
-/// Origins farther than this are so inaccurate beside the scene that every sphere is tested.
+/// Origins farther than this are so inaccurate beside the scene that every sphere is tested. Section 9b.
 const FARTHEST: f64 = (1u64 << 44) as f64;
 
-/// With more padding than this boxes leave out so few spheres that every sphere is tested.
+/// With more padding than this boxes leave out so few spheres that every sphere is tested. Section 9b.
 const WIDEST: f64 = 0.25;
 
 /// A ray as the boxes see it, in the tree's unit: f32, and so much larger than a line that no rounding loses a sphere.
@@ -114,7 +114,7 @@ impl BoxRay {
     }
 }
 
-/// Factor above the rounding of |direction|^2 and of its root.
+/// Factor above the rounding of |direction|^2 and of its root. Section 9.
 const ROUNDED: f64 = 1.0 + 1.0 / (1u64 << 16) as f64;
 
 /// Beyond the scene, and far from the end of f32.

@@ -78,9 +78,11 @@ pub(crate) struct PlacedSphereRecord {
 }
 
 /// Steps of the grid of places in the tree's unit. Spheres are within 2^28 of them from the middle, and rays within 2^30.
+/// Section 9 of docs/certificate.md.
 const STEPS: f64 = (1u64 << 28) as f64;
 
 /// Largest coordinate of a place on the grid, in the tree's unit: differences of two places fit an i32.
+/// Section 13 of docs/certificate.md.
 pub(super) const NEAR: f64 = 3.0;
 
 /// A place as whole steps and a rest.

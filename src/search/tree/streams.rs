@@ -1,4 +1,4 @@
-//! Rays of one direction, which go down the spheres around groups together: docs/tree.md, docs/certificate.md, section 10a.
+//! Rays of one direction, which go down the spheres around groups together: docs/certificate.md, section 10a.
 //!
 //! Along their direction rays are points of a plane, spheres are discs with a height, and a ray is hidden where its point lies in a disc
 //! that is higher.
@@ -31,7 +31,7 @@ pub(crate) struct Ends {
     pub(crate) high: Vec<f32>,
 }
 
-/// A length beyond all spheres from each of them, which lie in [-1, 1] in each coordinate.
+/// A length beyond all spheres from each of them, which lie in [-1, 1] in each coordinate. Section 9a.
 pub(crate) const NO_END: f32 = 8.0;
 
 /// Rays in one list, which are compared in vectors.

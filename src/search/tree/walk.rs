@@ -205,5 +205,5 @@ fn dot<L: Lanes>(l: L, a: [L::Number; 3], b: [L::Number; 3]) -> L::Number {
     l.add(l.add(l.mul(a[0], b[0]), l.mul(a[1], b[1])), l.mul(a[2], b[2]))
 }
 
-/// Bound of the relative rounding error of the numbers that are compared.
+/// Bound of the relative rounding error of the numbers that are compared. Section 9 of docs/certificate.md.
 const ROUNDED: f32 = 1.0 / (1u32 << 16) as f32;

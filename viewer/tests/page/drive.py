@@ -451,9 +451,9 @@ class Run:
                   body: JSON.stringify({json.dumps({**body, 'seq': self.mock.log[-1]['seq'] if self.mock else 0})}) }}).then((r) => r.arrayBuffer()).then((b) => [...new Uint8Array(b)])"""
             )
         )
-        self.check("the still is that of these options", still == asked and tab.js(f"{VIEW}.stats.frames") > first, (len(still), len(asked)))
+        self.check("the still has these options", still == asked and tab.js(f"{VIEW}.stats.frames") > first, (len(still), len(asked)))
         tab.until(f"document.querySelector('.hl-legend img').src !== {json.dumps(legend)}")
-        self.check("the legend is that of the column", column in tab.js("decodeURIComponent(document.querySelector('.hl-legend img').src)"))
+        self.check("the legend shows the column", column in tab.js("decodeURIComponent(document.querySelector('.hl-legend img').src)"))
         copied = self.post("/command", body)["shell"]
         self.check("the copied command has them", all(word in copied for word in ("color", column, "204060", f"{plane:g}")), copied)
         self.shot("controls-set")
@@ -480,7 +480,7 @@ class Run:
         tab.until(f"{VIEW}.selection() === {json.dumps(expr)}")
         tab.js(STILL)
         if self.mock:
-            self.check("with a selection the opacity is that of the others", self.mock.log[-1]["options"]["opacity"] == [f"not ({expr})=0.5"], self.mock.log[-1])
+            self.check("with a selection the opacity applies to the others", self.mock.log[-1]["options"]["opacity"] == [f"not ({expr})=0.5"], self.mock.log[-1])
         tab.js(f"{VIEW}.select('')")
         tab.until(f"{VIEW}.selection() === ''")
         tab.js("[...document.querySelectorAll('.hl-controls button')].find((b) => b.innerText === 'Reset').click()")

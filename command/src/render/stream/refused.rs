@@ -57,7 +57,7 @@ pub(super) fn check(args: &SceneArgs, number: u64, taken: Option<&CameraRecord>)
         ),
         (
             args.open_width().is_some(),
-            "an open height is that of all spheres in memory",
+            "an open height needs all spheres in memory",
             "give a height with --size, or remove --stream",
         ),
         (

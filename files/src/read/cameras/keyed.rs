@@ -82,7 +82,7 @@ impl<'a> Numbers<'a, '_> {
                     return Ok(());
                 }
                 let problem = "a rotation of the image, as of ROS's rectified ones, is not modelled";
-                Err(keys.wrong(given, problem, "remove it: the rotation of a camera is that of its pose"))
+                Err(keys.wrong(given, problem, "remove it: the pose of a camera gives its rotation"))
             }
             Meaning::Unknown if !is_nothing(given) => {
                 let problem = format!("{} is {}, and lenses have no such part here", keys.name(given), given.value);

@@ -91,7 +91,7 @@ impl Scale {
                 let percent = 100 * beyond / n;
                 skipped.assumed.push(format!(
                     "{percent} % of the values of {name} lie beyond {} to {}, the ends of the colours; {RANGE} LOW,HIGH sets \
-                     others, and {HOLD} all takes those of all frames",
+                     others, and {HOLD} all takes the ends of all frames",
                     number(low, 4),
                     number(high, 4),
                 ));

@@ -48,7 +48,7 @@ impl GatheredValues {
     pub fn check(&self) -> Result<()> {
         let more = self.lock().len() as u64;
         // Twice: they grow, and are sorted.
-        check(2 * 8 * more, || format!("the {more} values of all frames, of which {RANGE} has percentiles"))
+        check(2 * 8 * more, || format!("the {more} values of all frames, for the percentiles of {RANGE}"))
     }
 }
 

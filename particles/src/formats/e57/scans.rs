@@ -40,7 +40,7 @@ pub(super) fn read(source: Source, request: &Request) -> Result<Particles> {
         (Some(xml), Some(page)) => {
             return Err(fail(
                 "header",
-                format!("pages of {page} bytes and a description of {xml} are not those of the file"),
+                format!("pages of {page} bytes and a description of {xml} do not fit the file"),
             ));
         }
         _ => return Err(fail("header", "the file ends within its header".into())),

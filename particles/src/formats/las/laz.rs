@@ -101,7 +101,7 @@ impl LazScheme {
             expected.push([if format.long { 14 } else { 0 }, extra]);
         }
         if !items.iter().map(|[kind, bytes, _]| [*kind, *bytes]).eq(expected) {
-            return Err((34, "the items are not those of the point format".into(), DAMAGED));
+            return Err((34, "the items do not match the point format".into(), DAMAGED));
         }
         if items.iter().any(|item| item[2] != version) || known != format.size && !format.long {
             return other(34, "items of several versions, or waveforms".into());

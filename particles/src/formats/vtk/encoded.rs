@@ -145,7 +145,7 @@ impl Encoding {
             None => {
                 let size = self.sizes(&mut bytes, 1)?[0];
                 if size != expected {
-                    return Err(format!("{size} bytes are not those of {count} numbers").into());
+                    return Err(format!("{size} bytes do not match {count} numbers").into());
                 }
                 bytes.take(size)?
             }

@@ -113,7 +113,7 @@ fn what_is_wrong_is_named() {
             "99999999999 spheres are more than 32-bit ids can number",
         ),
         ("format=\"ascii\">1 2 3", "format=\"appended\" offset=\"0\">1 2 3", "the file has no appended data"),
-        ("format=\"ascii\">1 2 3", "format=\"binary\">1 2 3", "bytes are not those of 6 numbers"),
+        ("format=\"ascii\">1 2 3", "format=\"binary\">1 2 3", "bytes do not match 6 numbers"),
         ("byte_order", "compressor=\"vtkBrotli\" byte_order", "the compressor `vtkBrotli` is not known"),
         ("</PolyData>", "</Poly>", "expected `</PolyData>`"),
         ("</VTKFile>", "", "the file ends within `VTKFile`"),

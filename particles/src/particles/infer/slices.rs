@@ -78,7 +78,7 @@ pub fn elements_of_names<S: AsRef<str>>(atoms: &NamedAtoms<'_, S>) -> Result<Nam
         }
     }
     if weighed > 0 {
-        warnings.push(format!("the elements of {} are those of their masses", count(weighed, "unknown atom")));
+        warnings.push(format!("the elements of {} follow from their masses", count(weighed, "unknown atom")));
     }
     if !names.is_empty() {
         let total = names.values().sum();
@@ -122,7 +122,7 @@ mod tests {
         assert_eq!(found.elements, [7, 8, 26, 0]);
         assert_eq!(
             found.warnings[1..],
-            ["the elements of 1 unknown atom are those of their masses", "the element of 1 atom is unknown (1 `?2`)"]
+            ["the elements of 1 unknown atom follow from their masses", "the element of 1 atom is unknown (1 `?2`)"]
         );
         // Reduced units.
         let reduced = elements_of_names(&NamedAtoms { masses: &[1.0; 4], ..given }).expect("elements");

@@ -80,7 +80,7 @@ fn shaders_for_other_compilers_are_all_of_them() {
     let kernels = modules().iter().filter(|(kernel, ..)| kernel.method() != Some(Method::Native64)).count();
     assert_eq!(names.len(), 1 + steps().count() + kernels + trials(false).len());
     assert_eq!(names.len(), shaders.len(), "names of their own");
-    assert_eq!(shaders.iter().filter(|shader| shader.plain).count(), 12, "those of a frame, and of a picture");
+    assert_eq!(shaders.iter().filter(|shader| shader.plain).count(), 12, "the shaders of a frame, and of a picture");
     if let Some(file) = std::env::var_os("HALFLINE_SHADERS") {
         std::fs::write(file, serde_json::to_vec(&shaders).expect("JSON")).expect("a file");
     }

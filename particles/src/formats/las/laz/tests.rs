@@ -107,7 +107,7 @@ fn what_is_not_read_says_why() {
         (record + 2, 1, "coder 1"),
         (record + 12, 0, "chunks of several sizes"),
         (record + 32, 9, "it has only"),
-        (record + 34, 10, "the items are not those of the point format"),
+        (record + 34, 10, "the items do not match the point format"),
         (record + 38, 1, "compressor 2 in version 1"),
         (record + 44, 1, "items of several versions"),
         (record - 54 + 2, 0, "the record of LASzip is missing"),

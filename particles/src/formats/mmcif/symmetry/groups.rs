@@ -37,12 +37,13 @@ impl Group {
         let symbol = &self.symbol;
         let by = match (self.by_number, &self.unknown) {
             (false, _) => "its name".to_owned(),
-            (true, None) => "its number alone, of which this is the standard setting".to_owned(),
+            (true, None) => "its number alone, in the standard setting".to_owned(),
             (true, Some(name)) => {
-                format!("its number, of which this is the standard setting, since the name {name} is not known")
+                format!("its number, in the standard setting, since the name {name} is not known")
             }
         };
-        (self.operators.len() > 1).then(|| format!("the file lists no operators; those of {symbol} follow from {by}"))
+        (self.operators.len() > 1)
+            .then(|| format!("the file lists no operators; the operators of {symbol} follow from {by}"))
     }
 }
 
