@@ -98,7 +98,7 @@ impl Error {
 
     /// A file that cannot be read. An [`Error`] that a reader wrapped in an [`std::io::Error`] is returned unchanged. Where the
     /// system read the bytes, but they end early or cannot be decoded, the content is at fault: [`Error::Scene`]; where they
-    /// need more memory than a limit of their decoder, [`Error::Limits`].
+    /// need more memory than there is or a decoder takes, [`Error::Limits`].
     pub fn read(path: impl AsRef<Path>, source: std::io::Error) -> Self {
         use std::io::ErrorKind::{InvalidData, InvalidInput, OutOfMemory, UnexpectedEof};
         let source = match source.downcast::<Self>() {
@@ -107,14 +107,15 @@ impl Error {
         };
         let path = path.as_ref();
         let file = path.display();
+        let is_of_system = source.raw_os_error().is_some();
         match source.kind() {
-            _ if source.raw_os_error().is_some() => Self::Io { action: "read", path: path.to_path_buf(), source },
-            InvalidData | InvalidInput | UnexpectedEof => {
+            InvalidData | InvalidInput | UnexpectedEof if !is_of_system => {
                 Self::scene(Place::file(file.to_string()), source.to_string(), "get the file again")
             }
-            OutOfMemory => {
-                Self::Limits { problem: format!("{file}: {source}"), mend: "decompress the file first".into() }
-            }
+            OutOfMemory if !is_of_system => Self::Limits {
+                problem: format!("{file}: {source}"),
+                mend: "read a smaller file, or use a machine with more memory".into(),
+            },
             _ => Self::Io { action: "read", path: path.to_path_buf(), source },
         }
     }

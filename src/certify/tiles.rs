@@ -99,11 +99,11 @@ impl Lists {
         all
     }
 
-    /// The number of entries, and the most that spheres so many times as wide, in tiles, may have: lists of single tiles grow as
-    /// the area of spheres until tiles share them.
-    pub(crate) fn entries(&self, spheres: u64, wider: u64) -> u64 {
+    /// The number of entries that so many spheres have where tiles have 1/`finer` of their area: lists of single tiles grow with it
+    /// until tiles share lists.
+    pub(crate) fn entries(&self, spheres: u64, finer: u64) -> u64 {
         let entries = self.projected.len() as u64;
-        entries.max(entries.saturating_mul(wider).min(8 * spheres + SPARE))
+        entries.max(entries.saturating_mul(finer).min(8 * spheres + SPARE))
     }
 
     /// The range of entries for the tile that contains the pixel at `row` and `column`.
