@@ -16,8 +16,8 @@ struct Node {
 
 // A ray in the tree's unit.
 struct BoxRay {
-    enter: vec4<f32>,              // a point of the line, moved back by the padding; w unused in all three
-    leave: vec4<f32>,              // the same moved ahead
+    enter: vec4<f32>,              // a point of the line, moved ahead by the padding; w unused in all three
+    leave: vec4<f32>,              // the same moved back
     inverse: vec4<f32>,            // of the direction's components
 }
 

@@ -27,7 +27,7 @@ constants! {
     /// The depth of a miss: above every lower bound, and so far below the largest f32 that no sum with a depth
     /// overflows. Lower bounds are below 2^124, since a frame spans 2^240 and its unit is in the middle. Section 4.
     const BEYOND = 8.507_059e37;
-    /// Above the depth of every point of a sphere in the unit of its record: |p| and r are below 2 in every component.
+    /// Above the depth of every point of a sphere in the unit of its record: |p| is below 2 sqrt 3 and r below 2.
     /// Section 3.
     const FAR = 8.0;
     /// The promised angle of normals in radians, less the rounding of the unit vector. Section 2.

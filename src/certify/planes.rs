@@ -18,13 +18,16 @@ use bytemuck::{Pod, Zeroable};
 use halfline_ground::parallel::{self, CHEAP};
 use std::cmp::Ordering;
 
-/// Error of the host in a numerator and a denominator, relative to the sizes of their terms: fewer than 8 roundings, the roundings
+/// Error of the host in a numerator and a denominator, relative to the sizes of their terms: at most 9 roundings, the roundings
 /// of the axes among them. Section 9a.
 const HOST: f64 = 8.0 * f64::EPSILON;
 
-/// The largest size of a numerator, which leaves room for its quotients by the error of a denominator, which is at least 2^-49 as N has a
-/// length of 1 at least. Section 9a.
+/// The largest size of a numerator: its error leaves room for the quotient by the error of a denominator, which is at least 2^-49 as N
+/// has a length of 1 at least. Section 9a.
 const MOST: f64 = (1u128 << 90) as f64;
+
+/// The largest size of a denominator times the reach of cut spheres, which leaves room for the factors of their product. Section 9a.
+const MOST_REACH: f64 = (1u128 << 120) as f64;
 
 /// A plane N.p = D as the rays of a view meet it: at the depth (relative to the reference) of a numerator over a denominator, both
 /// linear in the pixel. Declared in shaders/certify/planes.wgsl.
@@ -112,20 +115,26 @@ impl PlaneRecords {
         (reference, deepest): (f32, f64),
     ) -> Self {
         let middle = [view.record.width, view.record.height].map(|n| (n / 2) as i32);
-        let one = |plane: &EyePlane| PlaneRecord::new(plane, view, projection, (middle, reference.into()));
-        let planes: Vec<PlaneRecord> = EyePlanes::new(cuts, view.basis.e).iter().map(one).collect();
         let largest = dd::ldexp(ranks.largest, -view.unit);
         let deep =
             |GeneralRecord { center_radius: [.., z, r], scale, .. }: &GeneralRecord| f64::from((z.abs() + r) * scale);
         let deepest = generals.iter().map(deep).fold(deepest + largest, f64::max);
         let reach = (deepest.max(reference.into()) * f64::from(INFLATE)) as f32;
+        let one =
+            |plane: &EyePlane| PlaneRecord::new(plane, view, projection, (middle, reference.into(), reach.into()));
+        let planes: Vec<PlaneRecord> = EyePlanes::new(cuts, view.basis.e).iter().map(one).collect();
         let of_entries = parallel::map(&lists.details, |detail| ranks.rank(detail.id));
         Self { head: PlaneHead { middle, reach, count: planes.len() as u32 }, planes, of_entries }
     }
 }
 
 impl PlaneRecord {
-    fn new(plane: &EyePlane, view: &View, projection: &ProjectionBounds, (middle, reference): ([i32; 2], f64)) -> Self {
+    fn new(
+        plane: &EyePlane,
+        view: &View,
+        projection: &ProjectionBounds,
+        (middle, reference, reach): ([i32; 2], f64, f64),
+    ) -> Self {
         let EyePlane { normal, length, gap, side, .. } = plane;
         let basis = view.basis;
         let [right, up, ahead] = [basis.u, basis.v, -basis.w].map(|axis| dot3(*normal, axis.to_array()));
@@ -150,7 +159,7 @@ impl PlaneRecord {
         };
         let normal = [right, up, -ahead].map(|x| (x / length) as f32);
         let eye = if *side == Ordering::Equal && !projection.parallel { HOLDS_EYE } else { 0 };
-        if sizes.iter().any(|size| *size > MOST) {
+        if sizes.iter().any(|size| *size > MOST) || sizes[1] * reach > MOST_REACH {
             return Self { normal, state: eye | OUT_OF_RANGE, ..Self::zeroed() };
         }
         let linear = |[start, right, down]: [f64; 3], size: f64| {

@@ -96,11 +96,15 @@ impl CutPlane {
         along.sign() == Ordering::Greater && (0..4).all(|i| (0..i).all(|j| is_parallel(i, j)))
     }
 
+    /// The same plane with a normal whose largest component is in [1, 2): a power of two brings any length of N into range.
+    pub(crate) fn in_range(&self) -> Self {
+        let k = dd::exponent(self.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
+        Self { normal: self.normal.map(|x| dd::ldexp(x, -k)), distance: dd::ldexp(self.distance, -k) }
+    }
+
     /// The exact place of a ball: removed where N.c - r |N| >= D, kept where N.c + r |N| <= D.
     fn side(&self, ball: Ball) -> Side {
-        // A power of two brings any length of N into range.
-        let k = dd::exponent(self.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
-        let (normal, distance) = (self.normal.map(|x| dd::ldexp(x, -k)), dd::ldexp(self.distance, -k));
+        let Self { normal, distance } = self.in_range();
         let terms: [f64; 3] = std::array::from_fn(|n| normal[n] * ball.center[n]);
         let beyond = terms[0] + terms[1] + terms[2] - distance;
         let reach = ball.radius * normal.iter().map(|x| x * x).sum::<f64>().sqrt();

@@ -39,6 +39,24 @@ pub(super) fn left(block: &Spheres, planes: &[CutPlane]) -> Result<Option<Left>>
 /// Section 9a of docs/certificate.md.
 const ROUNDED: f64 = 16.0 * f64::EPSILON;
 
+/// Whether planes certainly leave all spheres of a box whole (`Some(true)`), or none of them.
+fn keep(planes: &[CutPlane], around: &Enclosure) -> Option<bool> {
+    let mut all = true;
+    for CutPlane { normal, distance } in planes.iter().map(CutPlane::in_range) {
+        let normal = DVec3::from_array(normal);
+        let [least, most] = around.along(normal, DVec3::ZERO);
+        let reach = around.radii[1] * normal.length();
+        let sizes = normal.abs().dot(around.low.abs().max(around.high.abs())) + distance.abs() + reach;
+        let doubt = ROUNDED * sizes + f64::MIN_POSITIVE;
+        // A sum beyond f64 decides nothing.
+        if least - reach - distance > doubt {
+            return Some(false);
+        }
+        all &= most + reach - distance < -doubt;
+    }
+    all.then_some(true)
+}
+
 /// Copies as planes leave them.
 pub(super) struct LeftCopies<'a> {
     pub(super) instances: &'a Instances,
@@ -46,27 +64,9 @@ pub(super) struct LeftCopies<'a> {
 }
 
 impl LeftCopies<'_> {
-    /// Whether planes certainly leave all spheres of a box whole (`Some(true)`), or none of them.
-    fn keeps(&self, around: &Enclosure) -> Option<bool> {
-        let mut all = true;
-        for CutPlane { normal, distance } in &self.planes {
-            let normal = DVec3::from_array(*normal);
-            let [least, most] = around.along(normal, DVec3::ZERO);
-            let reach = around.radii[1] * normal.length();
-            let sizes = normal.abs().dot(around.low.abs().max(around.high.abs())) + distance.abs() + reach;
-            let doubt = ROUNDED * sizes + f64::MIN_POSITIVE;
-            // A sum beyond f64 decides nothing.
-            if least - reach - distance > doubt {
-                return Some(false);
-            }
-            all &= most + reach - distance < -doubt;
-        }
-        all.then_some(true)
-    }
-
     /// Whether planes remove all spheres of a box.
     pub(super) fn removes(&self, around: &Enclosure) -> bool {
-        self.keeps(around) == Some(false)
+        keep(&self.planes, around) == Some(false)
     }
 
     /// The part of some spheres that planes leave.
@@ -161,7 +161,7 @@ impl LeftCopies<'_> {
         if self.planes.is_empty() {
             return Ok(changed);
         }
-        let skips = |group: &Group, around: &Enclosure| match self.keeps(around) {
+        let skips = |group: &Group, around: &Enclosure| match keep(&self.planes, around) {
             Some(false) if self.instances.clips(around) == Some(true) => {
                 removed += self.instances.count(group);
                 true
@@ -175,5 +175,24 @@ impl LeftCopies<'_> {
             Ok(true)
         })?;
         Ok([changed[0], changed[1] + removed])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn planes_of_every_length_leave_the_same() {
+        for k in [-1020, -560, -1, 0, 500, 1000] {
+            let scale = 2f64.powi(k / 2) * 2f64.powi(k - k / 2);
+            let planes = [CutPlane { normal: [0.6 * scale, 0.0, 0.8 * scale], distance: 0.5 * scale }];
+            let box_at = |along: f64| {
+                let center = DVec3::new(0.6, 0.0, 0.8) * along;
+                Enclosure { low: center - 0.1, high: center + 0.1, radii: [0.5, 1.0] }
+            };
+            let kept = [-4.0, 1.4, 5.0].map(|along| keep(&planes, &box_at(along)));
+            assert_eq!(kept, [Some(true), None, Some(false)], "2^{k}");
+        }
     }
 }

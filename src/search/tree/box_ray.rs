@@ -24,9 +24,9 @@ const WIDEST: f64 = 0.25;
 /// A ray as the boxes see it, in the tree's unit: f32, and so much larger than a line that no rounding loses a sphere.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct BoxRay {
-    /// The origin or a point ahead of it, moved back along each axis by the padding: for the planes where it enters.
+    /// The origin or a point ahead of it, moved ahead along each axis by the padding: for the planes where it enters.
     pub(crate) enter: [f32; 3],
-    /// The same moved ahead: for the planes where it leaves.
+    /// The same moved back: for the planes where it leaves.
     pub(crate) leave: [f32; 3],
     /// Reciprocals of the direction.
     pub(crate) inverse: [f32; 3],
