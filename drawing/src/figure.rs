@@ -342,6 +342,7 @@ fn solids(scene: &Scene, projection: Projection, detail: f64) -> Result<(Solids,
     let planes = scene.spheres.cuts.iter().flat_map(|cuts| &cuts.planes);
     solids.cuts = planes
         .map(|plane| {
+            let plane = plane.in_range();
             let normal = DVec3::from_array(plane.normal);
             let (length, distance) = (normal.length(), plane.distance - normal.dot(basis.e));
             let plane = Plane { normal: moved(normal) / length, distance: distance / length };

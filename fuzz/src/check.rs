@@ -59,8 +59,8 @@ pub(crate) fn allowed_points(bytes: usize) -> Allowed {
 /// Checks that an error is short and has no control characters, and that it is the system's only where the system gave it.
 pub(crate) fn check_error(error: &Error) -> String {
     let text = error.to_string();
-    let is_of_system = |source: &std::io::Error| source.raw_os_error().is_some();
-    assert!(!matches!(error, Error::Io { source, .. } if !is_of_system(source)), "not an error of the content: {text}");
+    let is_of_content = matches!(error, Error::Io { source, .. } if source.raw_os_error().is_none());
+    assert!(!is_of_content, "not the system's error: {text}");
     check_words(&text);
     text
 }

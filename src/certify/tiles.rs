@@ -24,6 +24,11 @@ use pulp::NullaryFnOnce;
 /// Entries beyond eight per sphere before tiles share their lists: 64 MiB.
 const SPARE: u64 = 1 << 21;
 
+/// The most entries of so many spheres before tiles share their lists.
+fn most_entries(spheres: u64) -> u64 {
+    (8 * spheres + SPARE).min(u64::from(u32::MAX))
+}
+
 /// Entries that are sorted first. Shorter lists skip the occlusion test, which would cost more than eight chunks per
 /// tile.
 const FOREMOST: usize = 64;
@@ -62,7 +67,7 @@ impl Lists {
         maker: &RecordMaker<'_>,
         pool: &Pool,
     ) -> Self {
-        let most = (8 * bins.len() as u64 + SPARE).min(u64::from(u32::MAX));
+        let most = most_entries(bins.len() as u64);
         let entries = |level: u32| match level {
             0 => single,
             _ => Bin::total(bins, level),
@@ -103,7 +108,7 @@ impl Lists {
     /// until tiles share lists.
     pub(crate) fn entries(&self, spheres: u64, finer: u64) -> u64 {
         let entries = self.projected.len() as u64;
-        entries.max(entries.saturating_mul(finer).min(8 * spheres + SPARE))
+        entries.max(entries.saturating_mul(finer).min(most_entries(spheres)))
     }
 
     /// The range of entries for the tile that contains the pixel at `row` and `column`.

@@ -125,22 +125,23 @@ impl Need {
         Self { pixels, sphere, spheres, count, reserve: settings.reserve, lists: 0 }
     }
 
-    /// The same with the lists of the binned scene, whose lengths are not known before: spheres wider than a tile are in several
-    /// lists, in more where pixels have so many `samples`, and general spheres, where the eye is in a crowd, have lists of
-    /// their own.
-    pub(crate) fn with_lists(self, binned: Option<&BinnedScene>, view: &View, samples: u32) -> Self {
+    /// The same with the lists that the host makes of the binned scene, whose lengths are not known before: spheres wider than a tile
+    /// are in several, in more where pixels have so many `samples`.
+    pub(crate) fn with_lists(self, binned: Option<&BinnedScene>, samples: u32) -> Self {
         let Some(binned) = binned else { return self };
         let entries = binned.lists.entries(self.spheres, samples.into());
-        let projected = ENTRY * entries.saturating_sub(self.spheres + self.spheres / 10);
-        let generals = if binned.generals.is_empty() {
-            0
-        } else {
-            let [[left, right], [top, bottom]] = view.record.tiles();
-            let tiles = u64::from(right - left + 1) * u64::from(bottom - top + 1);
-            let lists = NEAR_TILE * tiles + NEAR_ENTRY * binned.general_lists.slots.len() as u64;
-            GENERAL * binned.generals.len() as u64 + lists
-        };
-        Self { lists: projected + generals, ..self }
+        let lists = ENTRY * entries.saturating_sub(self.spheres + self.spheres / 10);
+        Self { lists: self.lists + lists, ..self }
+    }
+
+    /// The same with the general spheres of the binned scene, whose number is not known before: where the eye is in a crowd they
+    /// need more than [`Need::of`] counts for a sphere.
+    pub(crate) fn with_generals(self, binned: Option<&BinnedScene>, view: &View) -> Self {
+        let Some(binned) = binned.filter(|binned| !binned.generals.is_empty()) else { return self };
+        let [[left, right], [top, bottom]] = view.record.tiles();
+        let tiles = u64::from(right - left + 1) * u64::from(bottom - top + 1);
+        let lists = NEAR_TILE * tiles + NEAR_ENTRY * binned.general_lists.slots.len() as u64;
+        Self { lists: self.lists + GENERAL * binned.generals.len() as u64 + lists, ..self }
     }
 
     /// Bytes for pixels, lists and the caller.
@@ -240,6 +241,20 @@ mod tests {
 
     const GIB: u64 = 1 << 30;
 
+    /// Calls `check` with the need of a certified frame on the CPU path, without its lists, and its setup.
+    fn with_setup(camera: Camera, side: u32, spheres: Spheres, check: impl FnOnce(Need, &FrameSetup, &BinnedScene)) {
+        let image = ImagePlane { width: side, height: side, background: [0.0; 3] };
+        let scene = Scene { camera, image, spheres, lighting: Default::default() };
+        let settings = Settings { accuracy: Accuracy::Certified, backend: Backend::Cpu, ..Settings::default() };
+        let plan = Plan::new(&scene, &settings, &mut |_| true).expect("a plan");
+        let window = settings.window_of(&scene).expect("a window");
+        let bare = Need::of(&plan, &settings, &scene, window, None);
+        let mut renderer = Renderer::new(&settings).expect("the CPU path");
+        let mut at = Rendering::new(&mut renderer, &scene, &settings, FrameRays { window, samples: None });
+        let setup = FrameSetup::new(&mut at, plan, (&scene, None), Raster::centres(window)).expect("a setup");
+        check(bare, &setup, setup.engine.binned().expect("bins"));
+    }
+
     /// Inside a crowd the plan counts what the frame really allocates for general spheres, and not much more.
     #[test]
     fn general_spheres_and_their_lists_are_counted() {
@@ -251,36 +266,25 @@ mod tests {
             (0..count).for_each(|_| spheres.push([0; 3].map(|_| rng.between(-1.0, 1.0)), radius, None));
             let lens = Lens::Vfov { degrees, distance: 1.0 };
             let camera = Camera { eye: [0.01, 0.02, 0.03].into(), lens, ..Camera::CANONICAL };
-            let image = ImagePlane { width: 512, height: 512, background: [0.0; 3] };
-            let scene = Scene { camera, image, spheres, lighting: Default::default() };
-            let settings = Settings { accuracy: Accuracy::Certified, ..Settings::default() };
-            let plan = Plan::new(&scene, &settings, &mut |_| true).expect("a plan");
-            let window = settings.window_of(&scene).expect("a window");
-            let raster = Raster::centres(window);
-            let bare = Need::of(&plan, &settings, &scene, window, None);
-            let mut renderer =
-                Renderer::new(&Settings { backend: Backend::Cpu, ..Settings::default() }).expect("the CPU path");
-            let rays = FrameRays { window, samples: None };
-            let mut at = Rendering::new(&mut renderer, &scene, &settings, rays);
-            let setup = FrameSetup::new(&mut at, plan, (&scene, None), raster).expect("a setup");
-            let binned = setup.engine.binned().expect("bins");
-            assert!(!binned.generals.is_empty(), "{count} of radius {radius}");
-            let need = bare.with_lists(Some(binned), &setup.view, 1);
-            // What is still allocated once the lists are made.
-            let ranges = 64 * 64 * size_of::<[u32; 2]>();
-            let allocated = size_of::<GeneralRecord>() * binned.generals.capacity()
-                + 4 * binned.general_lists.slots.capacity()
-                + ranges;
-            let counted = need.bytes() - bare.bytes();
-            println!(
-                "{count} of radius {radius}: {} general, {counted} bytes counted, {allocated} held",
-                binned.generals.len()
-            );
-            // The numbers in f64 and the cells' lists are gone: at most GENERAL of 64 bytes, and 16 of 4.
-            assert!(
-                allocated as u64 <= counted && counted <= 5 * allocated as u64,
-                "{count}: {counted} bytes counted, {allocated} held"
-            );
+            with_setup(camera, 512, spheres, |bare, setup, binned| {
+                assert!(!binned.generals.is_empty(), "{count} of radius {radius}");
+                let need = bare.with_generals(Some(binned), &setup.view);
+                // What is still allocated once the lists are made.
+                let ranges = 64 * 64 * size_of::<[u32; 2]>();
+                let allocated = size_of::<GeneralRecord>() * binned.generals.capacity()
+                    + 4 * binned.general_lists.slots.capacity()
+                    + ranges;
+                let counted = need.bytes() - bare.bytes();
+                println!(
+                    "{count} of radius {radius}: {} general, {counted} bytes counted, {allocated} held",
+                    binned.generals.len()
+                );
+                // The numbers in f64 and the cells' lists are gone: at most GENERAL of 64 bytes, and 16 of 4.
+                assert!(
+                    allocated as u64 <= counted && counted <= 5 * allocated as u64,
+                    "{count}: {counted} bytes counted, {allocated} held"
+                );
+            });
         }
     }
 
@@ -292,26 +296,15 @@ mod tests {
             let mut spheres = Spheres::default();
             let center = |rng: &mut Rng| [rng.between(-1.0, 1.0), rng.between(-1.0, 1.0), rng.between(-4.0, -3.0)];
             (0..10_000).for_each(|_| spheres.push(center(&mut rng), radius, None));
-            let image = ImagePlane { width: 1024, height: 1024, background: [0.0; 3] };
-            let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
-            let settings = Settings { accuracy: Accuracy::Certified, backend: Backend::Cpu, ..Settings::default() };
-            let plan = Plan::new(&scene, &settings, &mut |_| true).expect("a plan");
-            let window = settings.window_of(&scene).expect("a window");
-            let bare = Need::of(&plan, &settings, &scene, window, None);
-            let mut renderer = Renderer::new(&settings).expect("the CPU path");
-            let mut at = Rendering::new(&mut renderer, &scene, &settings, FrameRays { window, samples: None });
-            let setup = FrameSetup::new(&mut at, plan, (&scene, None), Raster::centres(window)).expect("a setup");
-            let binned = setup.engine.binned().expect("bins");
-            let entries = binned.lists.projected.len() as f64 / 10_000.0;
-            assert!(entries > least, "{entries} entries for a sphere of radius {radius}");
-            let counted = |samples| {
-                let need = bare.with_lists(Some(binned), &setup.view, samples);
-                need.lists as f64 / 10_000.0
-            };
-            // 96 bytes for each entry beyond 1.1 for each sphere; up to eight entries for each sphere, and 2^21.
-            assert!((counted(1) - 96.0 * (entries - 1.1).max(0.0)).abs() < 1.0, "{} bytes", counted(1));
-            assert!(counted(4) > 96.0 * (3.9 * entries - 1.1), "{} bytes of samples", counted(4));
-            assert!(counted(1 << 20) <= 96.0 * (8.0 + 210.0), "{} bytes at most", counted(1 << 20));
+            with_setup(Camera::CANONICAL, 1024, spheres, |bare, _, binned| {
+                let entries = binned.lists.projected.len() as f64 / 10_000.0;
+                assert!(entries > least, "{entries} entries for a sphere of radius {radius}");
+                let counted = |samples| bare.with_lists(Some(binned), samples).lists as f64 / 10_000.0;
+                // 96 bytes for each entry beyond 1.1 for each sphere; up to eight entries for each sphere, and 2^21.
+                assert!((counted(1) - 96.0 * (entries - 1.1).max(0.0)).abs() < 1.0, "{} bytes", counted(1));
+                assert!(counted(4) > 96.0 * (3.9 * entries - 1.1), "{} bytes of samples", counted(4));
+                assert!(counted(1 << 20) <= 96.0 * (8.0 + 210.0), "{} bytes at most", counted(1 << 20));
+            });
         }
     }
 

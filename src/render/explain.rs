@@ -94,8 +94,9 @@ fn explanation(at: &mut Rendering<'_>, plan: Plan) -> Result<Explanation> {
     let has_kernel = report.backend == "gpu" && has_kernel(plan);
     let work = if has_kernel { work(at, &setup)? } else { WorkOfPasses::default() };
     let gpu = at.renderer.device.gpu.as_deref().filter(|_| report.backend == "gpu");
-    let need =
-        Need::of(plan, settings, scene, window, gpu.map(|gpu| &gpu.summary)).with_lists(binned, view, report.samples);
+    let need = Need::of(plan, settings, scene, window, gpu.map(|gpu| &gpu.summary)).with_generals(binned, view);
+    // A device that holds the spheres has no lists of the others.
+    let need = if gpu.is_some() { need } else { need.with_lists(binned, report.samples) };
     let free = memory::free(&at.pool);
     let predicted = setup.predicted(scene);
     let warnings = report.warnings.into_iter().chain(setup.warnings(scene, predicted)).chain(at.log.warnings());

@@ -96,9 +96,16 @@ impl CutPlane {
         along.sign() == Ordering::Greater && (0..4).all(|i| (0..i).all(|j| is_parallel(i, j)))
     }
 
-    /// The same plane with a normal whose largest component is in [1, 2): a power of two brings any length of N into range.
-    pub(crate) fn in_range(&self) -> Self {
-        let k = dd::exponent(self.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
+    /// The exponent of the largest component of N.
+    pub(crate) fn exponent(&self) -> i32 {
+        dd::exponent(self.normal.iter().fold(0.0, |most, x| x.abs().max(most)))
+    }
+
+    /// The same plane with a normal whose largest component is in [1, 2), so that squares of it are in range: N has any length. D is
+    /// rounded where f64 does not hold it.
+    #[must_use]
+    pub fn in_range(&self) -> Self {
+        let k = self.exponent();
         Self { normal: self.normal.map(|x| dd::ldexp(x, -k)), distance: dd::ldexp(self.distance, -k) }
     }
 

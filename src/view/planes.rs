@@ -1,6 +1,6 @@
 //! The planes that cut spheres, as the rays of one eye pass them.
 
-use crate::double_double::{self as dd, Dd};
+use crate::double_double::Dd;
 use crate::dyadic::{self, Dyadic};
 use crate::scene::{CutPlane, Cuts};
 use crate::view::ray::dot3;
@@ -30,11 +30,8 @@ impl EyePlanes {
         let eye = dyadic::vector(eye.to_array());
         let plane = |plane: &CutPlane| {
             let gap = &Dyadic::of(plane.distance) - &dyadic::dot(&dyadic::vector(plane.normal), &eye);
-            // A power of two brings any length into range.
-            let k = dd::exponent(plane.normal.iter().fold(0.0, |most, x| x.abs().max(most)));
-            let normal = plane.normal.map(|x| dd::ldexp(x, -k));
-            let (side, gap) = (gap.sign(), gap.ldexp(-i64::from(k)).to_f64());
-            let distance = dd::ldexp(plane.distance, -k);
+            let (side, gap) = (gap.sign(), gap.ldexp(-i64::from(plane.exponent())).to_f64());
+            let CutPlane { normal, distance } = plane.in_range();
             EyePlane { normal, length: dot3(normal, normal).sqrt(), distance, gap, side }
         };
         Self(cuts.planes.iter().map(plane).collect())

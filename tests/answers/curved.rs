@@ -13,7 +13,7 @@ use halfline::exact::{Judge, Toward};
 use halfline::frame::{Aov, Data, Frame};
 use halfline::intersect::Method;
 use halfline::scene::{Light, LightSource, Material, Materials, Scene, Sky, SkyColors};
-use halfline::settings::{AddedLight, Look, Settings};
+use halfline::settings::{Accuracy, AddedLight, Backend, Look, Settings};
 use halfline::shade::Shade;
 use halfline::window::Window;
 use std::f64::consts::PI;
@@ -184,6 +184,16 @@ fn crops_and_adapters_agree_on_curved_lenses() {
             let other = differing(&here, &host);
             assert!(other.iter().all(|aov| *aov == Aov::Certainty), "{backend:?} {name}: {other:?}");
         }
+    }
+}
+
+#[test]
+fn a_frame_that_an_adapter_leaves_to_the_cpu_path_has_a_warning() {
+    for (backend, mut renderer) in renderers() {
+        let settings = Settings { backend, accuracy: Accuracy::Certified, ..Settings::default() };
+        let report = renderer.render(&around(fisheye()), &settings).expect("a frame").report;
+        let warns = report.warnings.iter().any(|warning| warning.contains("curved lenses"));
+        assert_eq!((report.backend, warns), ("cpu", backend == Backend::Gpu), "{:?}", report.warnings);
     }
 }
 

@@ -73,6 +73,11 @@ fn cuts_have_faces() {
     dir.render("a.pdb --size 60x40 --cut 0,0,1,0.2 --view 0,0,-1 -o a.svg");
     let paths = attributes(&dir, "a.svg", "path", "id");
     assert!(paths.iter().any(|id| id.ends_with("-cut0")), "{paths:?}");
+    // A normal has any length.
+    for plane in ["0,0,1e-300,2e-301", "0,0,1e200,2e199"] {
+        dir.render(&format!("a.pdb --size 60x40 --cut {plane} --view 0,0,-1 -o b.svg"));
+        assert_eq!(attributes(&dir, "b.svg", "path", "id"), paths, "{plane}");
+    }
 }
 
 #[test]

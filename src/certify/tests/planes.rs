@@ -4,11 +4,12 @@ use super::claims::{Case, Judged};
 use super::wild::{Mode, Value, Wild, under};
 use super::worlds::{FAMILIES, Make};
 use crate::certify::general::general_roots;
-use crate::certify::planes::{CutLow, Kept};
+use crate::certify::planes::{CutLow, Kept, OUT_OF_RANGE};
 use crate::certify::projected::projected_roots;
 use crate::certify::{Certify, GENERAL, TERMS, Terms};
 use crate::exact::Root;
-use crate::scene::{CutPlane, Scene};
+use crate::scene::camera::Camera;
+use crate::scene::{CutPlane, ImagePlane, Scene, Spheres};
 use crate::testing::Rng;
 use crate::view::ray::dot3;
 use glam::DVec3;
@@ -165,4 +166,20 @@ fn the_bounds_of_planes_are_needed() {
     let wrong: Vec<&str> = wrong.map(|(name, _)| *name).collect();
     println!("{wrong:?}");
     assert!(wrong.len() > 2, "{wrong:?}");
+}
+
+/// Products of a plane's denominator and the reach of cut spheres stay within f32.
+#[test]
+fn planes_of_a_reach_beyond_f32_are_unknown() {
+    for (far, is_known) in [(2.9e36, false), (2.9e33, true)] {
+        let mut spheres = Spheres::default();
+        spheres.push([0.0, 0.0, -2e-36], 1e-36, None);
+        spheres.push([0.0, 0.0, -far], 0.7 * far, None);
+        spheres.cut(&[CutPlane { normal: [1.0, 0.0, 0.0], distance: 0.0 }], None).expect("a plane");
+        let image = ImagePlane { width: 4, height: 4, background: [0.0; 3] };
+        let scene = Scene { camera: Camera::CANONICAL, image, spheres, lighting: Default::default() };
+        let case = Case::new(scene, 1e-5, &[[1, 1]], &TERMS).expect("a frame");
+        let [plane] = &case.binned.planes.as_ref().expect("planes").planes[..] else { panic!("one plane") };
+        assert_eq!(plane.state & OUT_OF_RANGE == 0, is_known, "{far}: {plane:?}");
+    }
 }
